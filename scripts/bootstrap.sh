@@ -73,19 +73,19 @@ install_packages() {
   "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# The scripts of reports and of the live page, from the packages that web/package-lock.json fixes.
+# The scripts of reports and of the live page, from the packages that framework/web/package-lock.json fixes.
 # Without a registry reports have tables only, and there is no live page; both say so.
 build_scripts() {
   local inputs
-  inputs=$(cat web/package-lock.json web/build.mjs web/src/*.* web/src/live/*.js | sha256sum)
-  if [[ -f web/dist/report.js && -f web/dist/live.js && $(cat web/dist/inputs 2>/dev/null) == "$inputs" ]]; then
+  inputs=$(cat framework/web/package-lock.json framework/web/build.mjs framework/web/src/*.* framework/web/src/live/*.js | sha256sum)
+  if [[ -f framework/web/dist/report.js && -f framework/web/dist/live.js && $(cat framework/web/dist/inputs 2>/dev/null) == "$inputs" ]]; then
     return 0
   fi
   echo "Building the scripts of reports and live page with npm"
   if npm --prefix web ci --no-audit --no-fund --loglevel=error && npm --prefix web run --silent build; then
-    echo "$inputs" >web/dist/inputs
+    echo "$inputs" >framework/web/dist/inputs
   else
-    echo "bootstrap.sh: npm could not build web/dist: reports will have tables only, and there will be no live page" >&2
+    echo "bootstrap.sh: npm could not build framework/web/dist: reports will have tables only, and there will be no live page" >&2
   fi
 }
 

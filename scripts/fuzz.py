@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Builds the fuzzers of tests/fuzz with Clang, runs them, and prints what each one found.
+"""Builds the fuzzers of tests/hostile/fuzz with Clang, runs them, and prints what each one found.
 
-Each runs for the given time from the seeds of tests/fuzz/seeds.py and what earlier runs kept in
+Each runs for the given time from the seeds of tests/hostile/fuzz/seeds.py and what earlier runs kept in
 build/fuzz/corpus. A finding is an input that crashes, leaks, breaks what must hold of the answer,
 takes longer than 10 s or more memory than 2 GiB; it is kept in build/fuzz/findings/TARGET, and the
 command that repeats it is printed. Exits 1 if there is one, 2 on wrong usage.
@@ -62,7 +62,7 @@ def run_once(target: str, seconds: int, seed: int, log: Path, findings: Path) ->
     before = set(findings.iterdir())
     command = [str(BUILD / "bin" / f"fuzz_{target}"), f"-max_total_time={seconds}", f"-seed={seed}",
                *LIMITS, f"-artifact_prefix={findings}/", "-print_final_stats=1", "-max_len=4096",
-               f"-dict={ROOT}/tests/fuzz/dictionaries/{target}.dict", str(corpus),
+               f"-dict={ROOT}/tests/hostile/fuzz/dictionaries/{target}.dict", str(corpus),
                str(BUILD / "seeds" / target)]
     start = time.monotonic()
     with log.open("ab") as out:
@@ -122,11 +122,11 @@ def arguments_of(words: list[str], known: list[str]) -> argparse.Namespace:
 
 def main(words: list[str]) -> int:
     known = sorted(file.name.removesuffix("_fuzzer.cpp")
-                   for file in (ROOT / "tests" / "fuzz").glob("*_fuzzer.cpp"))
+                   for file in (ROOT / "tests" / "hostile" / "fuzz").glob("*_fuzzer.cpp"))
     arguments = arguments_of(words, known)
     for command in (["cmake", "--preset", "fuzz"],
                     ["cmake", "--build", "--preset", "fuzz", "-j", str(arguments.jobs)],
-                    ["tests/fuzz/seeds.py", str(BUILD / "seeds")]):
+                    ["tests/hostile/fuzz/seeds.py", str(BUILD / "seeds")]):
         subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
     targets = arguments.targets or known
     print(f"seed {arguments.seed}, {arguments.seconds} s each, {arguments.jobs} at a time", flush=True)

@@ -93,7 +93,7 @@ own, such as pocl (MIT).
 Libraries inside the pages of `weft report`, and inside the live page
 ---------------------------------------------------------------------
 A page with figures contains them as one script that npm builds from the packages that
-web/package-lock.json fixes. Their full list and texts stand at the end of each such page.
+framework/web/package-lock.json fixes. Their full list and texts stand at the end of each such page.
 
   Vega 6, Vega-Lite 6 (BSD-3-Clause): figures of reports
   D3, modules (ISC, BSD-3-Clause): figures of reports, by Vega
@@ -115,7 +115,7 @@ def output_of(*command: str) -> str:
 
 def room_of(made: str) -> str | None:
     """The room of an object file, None for tests and tools."""
-    target = re.match(r"(framework|cli|plugins/(\w+)/(\w+))/CMakeFiles/([^/]+)\.dir/", made)
+    target = re.match(r"(framework(?:/cli)?|plugins/(\w+)/(\w+))/CMakeFiles/([^/]+)\.dir/", made)
     if not target:
         return None
     place, role, name, program = target.groups()

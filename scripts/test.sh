@@ -23,7 +23,7 @@ anything failed.
             before)
   --long    also what neither of these runs: the tests labelled `long`; all tests under
             AddressSanitizer; the quick tests under ThreadSanitizer, of plugins those that start
-            threads; clang-tidy over everything; each fuzzer of tests/fuzz for a minute; and the
+            threads; clang-tidy over everything; each fuzzer of tests/hostile/fuzz for a minute; and the
             benchmarks of the stages and of the host (build/benchmarks.log)
   --coverage
             also: the quick tests in the preset coverage, and the share of lines that they run
@@ -225,7 +225,7 @@ measure_coverage() {
   (cd build/coverage && find . -name '*.gcda' -delete) \
     && ctest --preset coverage -L '^quick$' -E '^(out_of_tree|scaffold_quick|lost_output)_test$' -j "$jobs" --no-tests=error \
     && gcovr -j "$jobs" --root . --object-directory build/coverage --filter 'framework/' \
-      --filter 'cli/' --filter 'plugins/' --exclude '.*/tests/.*' --exclude 'framework/.*/testing/.*' \
+      --filter 'plugins/' --exclude '.*/tests/.*' --exclude 'framework/.*/testing/.*' \
       --exclude-unreachable-branches --exclude-throw-branches \
       --html-details build/coverage/coverage.html --txt build/coverage/coverage.txt
 }

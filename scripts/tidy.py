@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs clang-tidy over sources of framework/, cli/ and plugins/, tests not counted.
+"""Runs clang-tidy over sources of framework/ and plugins/, tests not counted.
 
 usage: scripts/tidy.py --since REV | --all [--jobs N] BUILD
 
@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import Iterable, Optional
 
 ROOT = Path(__file__).resolve().parent.parent
-ROOMS = ("framework", "cli", "plugins")
+ROOMS = ("framework", "plugins")
 HEADERS = {".h", ".hpp"}
 SOURCES = {".c", ".cpp"}
 # Clang 14 does not know all of GCC's warnings and parameters, and misses captures that only

@@ -30,7 +30,7 @@ function(weft_enable_sanitizers target)
     if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
       message(FATAL_ERROR "WEFT_SANITIZE: 'fuzzer' needs Clang, not ${CMAKE_CXX_COMPILER_ID} (preset fuzz)")
     endif()
-    # What is fuzzed alone is linked with a main() of libFuzzer, in tests/fuzz.
+    # What is fuzzed alone is linked with a main() of libFuzzer, in tests/hostile/fuzz.
     list(REMOVE_ITEM sanitizers fuzzer)
     list(APPEND sanitizers fuzzer-no-link)
   endif()

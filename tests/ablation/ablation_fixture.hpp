@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "ablation/ablation.hpp"
 #include "host/records/content_hash.hpp"
-#include "metrics/forms/metrics_report.hpp"
+#include "lab/ablation/ablation.hpp"
+#include "lab/metrics/forms/metrics_report.hpp"
 #include "support/pipeline_fixture.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
@@ -122,4 +122,4 @@ inline const char* const kGrid =
     "data: {plain: {seeds: 3-4, seed_setting: source.frames}}\n"
     "seeds: 1-2\n";
 
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ablation_fixture.hpp"
-#include "results/expectations.hpp"
+#include "lab/results/expectations.hpp"
 #include "support/child.hpp"
 #include "support/processes.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::HasSubstr;
@@ -144,7 +144,7 @@ TEST_F(Ablation, RecordsDataThatCannotBeRead) {
 }
 
 TEST_F(Ablation, SurvivesComponentsThatTakeTheirProcessWithThem) {
-  const std::string deadly = "{set: {filters.use: filters/zoo_deadly, filters.deed: ";
+  const std::string deadly = "{set: {filters.use: filters/test_deadly, filters.deed: ";
   Grid grid = expand(
       "axes:\n  filter:\n    values:\n      good: {}\n"
       "      crash: " +
@@ -168,7 +168,7 @@ TEST_F(Ablation, SurvivesComponentsThatTakeTheirProcessWithThem) {
 TEST_F(Ablation, EndsWithACellWhateverItsComponentsHaveStarted) {
   const std::string name = "a" + std::to_string(getpid());
   const std::string deadly =
-      "{set: {filters.use: filters/zoo_deadly, filters.child: " + name + ", filters.deed: ";
+      "{set: {filters.use: filters/test_deadly, filters.child: " + name + ", filters.deed: ";
   Grid grid =
       expand("axes:\n  filter:\n    values:\n      good: {}\n      left: " + deadly +
              "leave}}\n      apart: " + deadly + "leave_session}}\n      copied: " + deadly +
@@ -187,7 +187,7 @@ TEST_F(Ablation, EndsWithACellWhateverItsComponentsHaveStarted) {
 TEST_F(Ablation, LeavesACellWhoseProcessIsKilledFromOutside) {
   Grid grid = expand(
       "axes:\n  filter:\n    values:\n      good: {}\n"
-      "      killed: {set: {filters.use: filters/zoo_deadly, filters.deed: kill}}\n"
+      "      killed: {set: {filters.use: filters/test_deadly, filters.deed: kill}}\n"
       "data: {all: {}}\n");
   const AblationState state = run(grid, "out");
   EXPECT_EQ(state.done, 1U);
@@ -448,4 +448,4 @@ TEST_F(AblateCommand, EndsWithCodeTwoBeforeAnyCell) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

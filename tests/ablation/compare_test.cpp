@@ -2,7 +2,7 @@
 #include "ablation_fixture.hpp"
 #include "support/child.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::HasSubstr;
@@ -157,4 +157,4 @@ TEST_F(PipelinesOfAPlan, AreRefusedWhereOneIsWrong) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

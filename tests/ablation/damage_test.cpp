@@ -3,7 +3,7 @@
 
 #include "ablation_fixture.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::HasSubstr;
@@ -151,4 +151,4 @@ TEST_F(DamagedFolder, IsNotWrittenToWhereItsManifestWasEdited) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

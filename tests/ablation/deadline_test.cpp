@@ -3,7 +3,7 @@
 
 #include "ablation_fixture.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::HasSubstr;
@@ -37,7 +37,7 @@ TEST_F(Deadline, OfASlowCellEndsItAndLetsItsGroupGoOn) {
 }
 
 TEST_F(Deadline, OfACellThatHangsIsItsResultAndCostsNoOther) {
-  Grid grid = expand(beside("filters.use: filters/zoo_deadly, filters.deed: hang", 2.0));
+  Grid grid = expand(beside("filters.use: filters/test_deadly, filters.deed: hang", 2.0));
   const AblationState state = run(grid, "out");
   EXPECT_EQ(state.done, 1U);
   ASSERT_EQ(state.failed, 1U) << ::testing::PrintToString(state.reasons);
@@ -45,7 +45,7 @@ TEST_F(Deadline, OfACellThatHangsIsItsResultAndCostsNoOther) {
             "it did not end a call within its deadline (deadline_s: 2)");
   EXPECT_THAT(weft::testing::read_text(
                   path("out/cells/" + grid.cells()[1].identity.key + "/pipeline.yaml")),
-              HasSubstr("zoo_deadly"));
+              HasSubstr("test_deadly"));
 }
 
 TEST_F(Deadline, IsNoPartOfWhatACellIs) {
@@ -55,4 +55,4 @@ TEST_F(Deadline, IsNoPartOfWhatACellIs) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ablation/forecast.hpp"
+#include "lab/ablation/forecast.hpp"
 
 #include <cmath>
 
 #include "ablation_fixture.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 /// Values a and b of an axis in two sequences. Both cells of a are done.
@@ -80,4 +80,4 @@ TEST_F(ForecastOfAFolder, CountsTheWorkOfCellsWhateverTheTimesOfFilesAre) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
-#include "ablation/plan/cell_identity.hpp"
+#include "lab/ablation/plan/cell_identity.hpp"
 #include "support/pipeline_fixture.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 namespace fs = std::filesystem;
@@ -154,4 +154,4 @@ TEST_F(Identity, ReportsFilesThatAreAbsentAtTheirParameter) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

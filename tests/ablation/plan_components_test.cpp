@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
-#include "ablation/plan/axis_sweep.hpp"
-#include "ablation/plan/grid.hpp"
+#include "lab/ablation/plan/axis_sweep.hpp"
+#include "lab/ablation/plan/grid.hpp"
 #include "support/pipeline_fixture.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::ElementsAre;
@@ -123,4 +123,4 @@ TEST_F(PlanComponents, SaysWhichWordMeansNothing) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
-#include "ablation/plan/grid.hpp"
+#include "lab/ablation/plan/grid.hpp"
 #include "support/pipeline_fixture.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::ElementsAre;
@@ -158,4 +158,4 @@ TEST_F(PlanExtends, RefusesACircleOfPlansWhereItCloses) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

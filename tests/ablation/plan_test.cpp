@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "ablation/plan/grid.hpp"
+#include "lab/ablation/plan/grid.hpp"
 #include "support/pipeline_fixture.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 namespace fs = std::filesystem;
@@ -162,4 +162,4 @@ TEST_F(PlanTest, NamesTheCellWhereAPatchBreaksAnotherFile) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

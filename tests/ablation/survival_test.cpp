@@ -7,7 +7,7 @@
 #include "ablation_fixture.hpp"
 #include "support/child.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 class Survival : public AblationTest {
@@ -92,4 +92,4 @@ TEST_F(Survival, LosesNoCellAndCountsNoneTwiceWhateverIsKilled) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

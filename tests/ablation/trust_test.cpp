@@ -4,10 +4,10 @@
 #include <functional>
 
 #include "ablation_fixture.hpp"
-#include "report/tables/tables.hpp"
+#include "lab/report/tables/tables.hpp"
 #include "support/child.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::ElementsAre;
@@ -284,4 +284,4 @@ TEST_F(Trust, PlanNamesStayInTheirFolder) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -37,7 +37,7 @@ INDEXES = {
 }
 # Names of other programs and libraries, of what a reader is to write, and of what npm builds.
 FOREIGN = {"CCACHE_DEPEND", "basic_filebuf", "my_test", "snake_case", "use_registers", "use_stacks",
-           "web/dist/report.js"}
+           "framework/web/dist/report.js"}
 
 
 def tracked(root, pattern):

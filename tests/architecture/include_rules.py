@@ -15,7 +15,7 @@ from typing import Iterator, NamedTuple
 
 CODE = {".h", ".hpp", ".c", ".cpp"}
 SCRIPTS = {".py", ".sh", ".cmake"}
-ROOMS = ("framework", "cli", "plugins", "tests", "docs", "scripts", ".ci")
+ROOMS = ("framework", "plugins", "tests", "docs", "scripts", ".ci")
 
 # A room may include itself and these; `host` alone stands for all rooms that begin with `host/`.
 # The first ones are installed, in framework/include/weft; the others hold headers beside sources.
@@ -32,59 +32,59 @@ INSTALLED = {
 }
 INTERNAL = {
     "yaml": "core",
-    "describe": "core sdk roles",
-    "roles": "core sdk",
+    "host/describe": "core sdk host/roles",
+    "host/roles": "core sdk",
     "host/records": "core data",
-    "host/loading": "core sdk yaml describe roles host/records",
+    "host/loading": "core sdk yaml host/describe host/roles host/records",
     "process": "core",
-    "host/probing": "core process describe host/records host/loading",
+    "host/probing": "core process host/describe host/records host/loading",
     "host/workers": "core process host/records host/loading",
-    "host/calling": "core roles host/records host/loading host/workers",
+    "host/calling": "core host/roles host/records host/loading host/workers",
     "host/serving": "core process host/loading host/workers host/calling",
-    "pipeline/configuration": "core yaml roles host/loading host/workers",
-    "pipeline/graph": "core roles pipeline/configuration",
-    "pipeline/execution": "core data geometry roles host/records host/calling pipeline/graph",
+    "pipeline/configuration": "core yaml host/roles host/loading host/workers",
+    "pipeline/graph": "core host/roles pipeline/configuration",
+    "pipeline/execution": "core data geometry host/roles host/records host/calling pipeline/graph",
     "pipeline/monitor": "core data geometry pipeline/execution",
-    "pipeline/steering": "core yaml roles host/loading host/calling pipeline/configuration "
+    "pipeline/steering": "core yaml host/roles host/loading host/calling pipeline/configuration "
     "pipeline/graph pipeline/execution",
-    "pipeline/runs": "core data geometry roles host/loading pipeline/configuration pipeline/graph "
+    "pipeline/runs": "core data geometry host/roles host/loading pipeline/configuration pipeline/graph "
     "pipeline/execution pipeline/monitor pipeline/steering",
     "pipeline/embedding": "core data embedding host/loading pipeline/runs",
-    "pipeline/survey": "core images data geometry sdk yaml roles host/loading host/calling "
+    "pipeline/survey": "core images data geometry sdk yaml host/roles host/loading host/calling "
     "pipeline/execution",
-    "printing": "core data generators",
-    "calibration": "core images printing",
-    "statistics": "core",
-    "metrics/runs": "core data roles host/records pipeline/execution statistics",
-    "metrics/shapes": "core data geometry",
-    "metrics": "core data geometry truth statistics metrics/runs metrics/shapes",
-    "metrics/forms": "core metrics",
-    "results": "core data geometry host/records statistics metrics",
-    "ablation/plan": "core images yaml roles host/records host/loading pipeline/configuration pipeline/runs "
-    "statistics metrics results",
-    "ablation": "core data process roles host/records host/loading host/calling "
+    "lab/printing": "core data generators",
+    "lab/calibration": "core images lab/printing",
+    "lab/statistics": "core",
+    "lab/metrics/runs": "core data host/roles host/records pipeline/execution lab/statistics",
+    "lab/metrics/shapes": "core data geometry",
+    "lab/metrics": "core data geometry truth lab/statistics lab/metrics/runs lab/metrics/shapes",
+    "lab/metrics/forms": "core lab/metrics",
+    "lab/results": "core data geometry host/records lab/statistics lab/metrics",
+    "lab/ablation/plan": "core images yaml host/roles host/records host/loading pipeline/configuration pipeline/runs "
+    "lab/statistics lab/metrics lab/results",
+    "lab/ablation": "core data process host/roles host/records host/loading host/calling "
     "pipeline/execution "
-    "pipeline/runs metrics results ablation/plan",
-    "cluster": "core process host/records host/loading metrics/runs results ablation/plan "
-    "ablation",
-    "report/text": "core",
-    "report/runs": "core data yaml statistics metrics results report/text",
-    "report/tables": "core statistics metrics results",
-    "report": "core statistics metrics results report/text report/tables",
-    "report/paper": "core process statistics metrics results report report/text report/tables",
-    "bench": "core data process host/records host/loading host/calling pipeline/configuration "
-    "pipeline/graph pipeline/execution pipeline/runs statistics",
-    "schema": "core yaml roles host/loading pipeline/configuration ablation/plan",
-    "counting": "",
-    "conformance/probes": "core describe host/records host/loading testing",
-    "conformance": "core data process describe host/records host/loading host/calling testing "
-    "conformance/probes",
-    "cli": "core images data geometry generators truth sdk yaml describe roles process host pipeline printing "
-    "calibration metrics results ablation cluster report bench schema conformance",
+    "pipeline/runs lab/metrics lab/results lab/ablation/plan",
+    "lab/cluster": "core process host/records host/loading lab/metrics/runs lab/results lab/ablation/plan "
+    "lab/ablation",
+    "lab/report/text": "core",
+    "lab/report/runs": "core data yaml lab/statistics lab/metrics lab/results lab/report/text",
+    "lab/report/tables": "core lab/statistics lab/metrics lab/results",
+    "lab/report": "core lab/statistics lab/metrics lab/results lab/report/text lab/report/tables",
+    "lab/report/paper": "core process lab/statistics lab/metrics lab/results lab/report lab/report/text lab/report/tables",
+    "lab/bench": "core data process host/records host/loading host/calling pipeline/configuration "
+    "pipeline/graph pipeline/execution pipeline/runs lab/statistics",
+    "lab/schema": "core yaml host/roles host/loading pipeline/configuration lab/ablation/plan",
+    "lab/counting": "",
+    "kit/conformance/probes": "core host/describe host/records host/loading testing",
+    "kit/conformance": "core data process host/describe host/records host/loading host/calling testing "
+    "kit/conformance/probes",
+    "cli": "core images data geometry generators truth sdk yaml host/describe host/roles process host pipeline lab/printing "
+    "lab/calibration lab/metrics lab/results lab/ablation lab/cluster lab/report lab/bench lab/schema kit/conformance",
 }
 LAYERS = INSTALLED | INTERNAL
 # What reads images and videos is shared by plugins and the one room that links OpenCV as they do.
-SHARED_PLUGIN_CODE = {"calibration": ("plugin:common/images", "plugin:common/films")}
+SHARED_PLUGIN_CODE = {"lab/calibration": ("plugin:common/images", "plugin:common/films")}
 PLUGIN_LAYERS = ("core", "images", "data", "geometry", "generators", "truth", "sdk")
 
 # abi.h is not a layer: these path prefixes may name it. data/array.hpp owns the dtypes and the
@@ -93,37 +93,39 @@ ABI_READERS = (
     "framework/include/weft/core/params",
     "framework/include/weft/data/array.hpp",
     "framework/include/weft/sdk/",
-    "framework/src/conformance/",
-    "framework/src/describe/",
-    "framework/src/host/",
+    "framework/kit/conformance/",
+    "framework/host/",
 )
 
-TESTING = ("framework/include/weft/testing/", "framework/src/testing/")
+# Where rooms lie whose headers stand beside their sources; other folders of framework/ hold none.
+ROOTS = tuple(f"framework/{root}/" for root in sorted({room.split("/")[0] for room in INTERNAL}))
+FREE = ("framework/python/", "framework/kit/scaffold/", "framework/web/")
+TESTING = ("framework/include/weft/testing/", "framework/kit/testing/")
 # Library, pattern of its includes, path prefixes that may include it. tests/ and docs/ are free.
 LIBRARIES = (
     (
         "yaml-cpp",
         r"yaml-cpp/",
         (
-            "framework/src/yaml/",
+            "framework/yaml/",
             "plugins/common/cameras/",
             "plugins/common/yaml/",
             "plugins/sources/",
         ),
     ),
-    ("Boost.DLL", r"boost/dll", ("framework/src/host/",)),
-    ("Boost", r"boost/", ("framework/src/", "cli/", "plugins/")),
+    ("Boost.DLL", r"boost/dll", ("framework/host/",)),
+    ("Boost", r"boost/", ROOTS + ("plugins/",)),
     ("CGAL", r"CGAL/", ("plugins/",)),
     ("Embree", r"embree\d*/", ("plugins/",)),
     ("Ceres", r"ceres/", ("plugins/",)),
     ("OpenCL", r"(CL|OpenCL)/", ("plugins/",)),
-    ("OpenCV", r"opencv2/", ("framework/src/calibration/", "plugins/") + TESTING),
+    ("OpenCV", r"opencv2/", ("framework/lab/calibration/", "plugins/") + TESTING),
 )
 MOST_SOURCES = 25
 MOST_HEADER_LINES = 200
 # Programs besides `weft` itself that may write to stdout and stderr.
 PRINTERS = (
-    "framework/src/host/probing/main.cpp",
+    "framework/host/probing/main.cpp",
 )
 PRINTING = re.compile(
     r"\bstd\s*::\s*w?(?:cout|cerr|clog)\b"
@@ -174,21 +176,25 @@ def line_of(text: str, offset: int) -> int:
 def scope_of(path: str) -> str:
     """Room, `abi`, `plugin:role/name` or `free` (tests, docs, scripts) of a path."""
     parts = PurePosixPath(path).parts
-    for start, rooms in (("framework/include/weft/", INSTALLED), ("framework/src/", INTERNAL)):
-        if not path.startswith(start):
-            continue
-        inner = path[len(start) :]
-        if inner == "abi.h":
-            return "abi"
-        room = str(PurePosixPath(inner).parent)
-        if room.split("/")[0] == "testing":
-            return "testing"
-        return room if room in rooms else "nowhere"
-    if parts[0] == "cli":
+    if path.startswith(FREE):
+        return "free"
+    if path.startswith(TESTING):
+        return "testing"
+    if path == "framework/include/weft/abi.h":
+        return "abi"
+    if path.startswith("framework/cli/"):
         return "cli"
+    for start, rooms in (("framework/include/weft/", INSTALLED), ("framework/", INTERNAL)):
+        if path.startswith(start):
+            room = str(PurePosixPath(path[len(start) :]).parent)
+            return room if room in rooms else "nowhere"
     if parts[0] == "plugins":
         return f"plugin:{parts[1]}/{parts[2]}" if len(parts) > 3 else "nowhere"
     return "free"
+
+
+def folder_of(room: str) -> str:
+    return f"framework/include/weft/{room}" if room in INSTALLED else f"framework/{room}"
 
 
 def may_include(room: str) -> set[str]:
@@ -231,7 +237,7 @@ class Tree:
         self.root = root
         self.files = sorted(self._walk())
         self.ours = [
-            f for f in self.files if f.startswith(("framework/", "cli/", "plugins/"))
+            f for f in self.files if f.startswith(("framework/", "plugins/"))
         ]
 
     def _walk(self) -> Iterator[str]:
@@ -275,13 +281,11 @@ class Tree:
                 lines = (self.root / path).read_text(encoding="utf-8").count("\n")
                 if lines > MOST_HEADER_LINES:
                     yield Violation(path, lines, f"a header of more than {MOST_HEADER_LINES} lines")
-        rooms = {scope_of(f): str(PurePosixPath(f).parent) for f in sources}
-        for room in sorted(set(rooms) & set(LAYERS)):
-            yield from self._check_readme(room, "cli" if room == "cli" else rooms[room])
+        for room in sorted({scope_of(f) for f in sources} & set(LAYERS)):
+            yield from self._check_readme(room)
 
-    def _check_readme(self, room: str, folder: str) -> Iterator[Violation]:
-        start = "framework/include/weft/" if room in INSTALLED else "framework/src/"
-        page = f"{folder if room == 'cli' else start + room}/README.md"
+    def _check_readme(self, room: str) -> Iterator[Violation]:
+        page = f"{folder_of(room)}/README.md"
         if not (self.root / page).is_file():
             yield Violation(page, 1, "is missing: what lives there, whom it may include, who it")
             return
@@ -326,11 +330,11 @@ class Tree:
 
     def _rule_for_spelling(self, path: str, name: str, targets: list[str], quoted: bool) -> str:
         """Headers of rooms are named by their rooms, wherever the includer stands."""
-        if not path.startswith(("framework/src/", "cli/")):
+        if not path.startswith(ROOTS):
             return ""
         if quoted and name.startswith("weft/"):
             return f"include {name} as <{name}>"
-        spelt = {f"{start}{name}" for start in ("framework/include/", "framework/src/", "plugins/", "")}
+        spelt = {f"{start}{name}" for start in ("framework/include/", "framework/", "plugins/")}
         return "" if spelt & set(targets) else f"include {name} as ROOM/{PurePosixPath(name).name}"
 
     def _rule_for_ours(self, path: str, name: str, targets: list[str]) -> str:
@@ -351,7 +355,7 @@ class Tree:
         allowed = may_include(scope)
         if target in SHARED_PLUGIN_CODE.get(scope, ()):
             return ""
-        if target in allowed or (path.startswith("framework/src/testing/") and target in LAYERS):
+        if target in allowed or (path.startswith("framework/kit/testing/") and target in LAYERS):
             return ""
         what = f"{scope} must not include {name} ({target})"
         return f"{what}; it may include {', '.join([scope] + sorted(allowed))}"

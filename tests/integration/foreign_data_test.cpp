@@ -12,7 +12,7 @@
 #include <weft/data/template.hpp>
 
 #include "host/records/npz.hpp"
-#include "metrics/shapes/true_surface.hpp"
+#include "lab/metrics/shapes/true_surface.hpp"
 #include "support/child.hpp"
 #include "support/pipeline_fixture.hpp"
 
@@ -105,8 +105,7 @@ TEST_F(ForeignDataTest, IsMeasuredPartByPartInAllItsForms) {
   for (int frame = 0; frame < ForeignData::kFrames; ++frame) {
     const KeptFrame kept(path("run/frames/00000" + std::to_string(frame) + ".npz"));
     ASSERT_TRUE(kept.shape.vertices_m.present());
-    const auto mesh =
-        evaluation::corners_of(kept.shape.vertices_m.matrix<3>(), sheet->faces.matrix<3>());
+    const auto mesh = lab::corners_of(kept.shape.vertices_m.matrix<3>(), sheet->faces.matrix<3>());
     const json& parts = metrics["frames"][static_cast<std::size_t>(frame)]["parts"];
     for (const bool hidden : {false, true}) {
       // The truth as it was made, and all pairs of its points and the faces of the mesh.
@@ -115,7 +114,7 @@ TEST_F(ForeignDataTest, IsMeasuredPartByPartInAllItsForms) {
       for (const Eigen::Vector3d& point : cloud) {
         double least = 1e9;
         for (const auto& corners : mesh) {
-          least = std::min(least, 1e3 * evaluation::distance_to(corners, point));
+          least = std::min(least, 1e3 * lab::distance_to(corners, point));
         }
         sum_mm += least;
         squares_mm2 += least * least;

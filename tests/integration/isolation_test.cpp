@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/calling/lane.hpp"
-#include "roles/role_rules.hpp"
+#include "host/roles/role_rules.hpp"
 #include "support/child.hpp"
 #include "support/pipeline_fixture.hpp"
 #include "support/processes.hpp"
@@ -57,8 +57,9 @@ class IsolationTest : public testing::PipelineTest {
                      const std::string& options = "") const {
     std::string text = testing::chain({{"sources", "{frames: 4}"}}, options);
     const std::string filter = "{use: filters/test.scripted, params: {}}";
-    text.replace(text.find(filter), filter.size(),
-                 "{use: filters/zoo_deadly, params: " + params + ", isolate: process" + keys + "}");
+    text.replace(
+        text.find(filter), filter.size(),
+        "{use: filters/test_deadly, params: " + params + ", isolate: process" + keys + "}");
     return text;
   }
 
@@ -102,7 +103,7 @@ TEST_F(IsolationTest, AWorkerThatDiesCostsOneFrameAndPrintsNothingHere) {
   for (std::size_t i = 0; i < lines.size(); ++i) {
     EXPECT_EQ(json::parse(lines[i])["failed"], i == 1) << lines[i];
   }
-  EXPECT_THAT(lines[1], HasSubstr("filters/zoo_deadly: its worker died of signal 11 "
+  EXPECT_THAT(lines[1], HasSubstr("filters/test_deadly: its worker died of signal 11 "
                                   "(Segmentation fault); the last that it printed: last words"));
   EXPECT_THAT(read_text(path("run/pipeline.yaml")), HasSubstr("isolate: process"));
 }
@@ -258,7 +259,7 @@ TEST_F(IsolationTest, ADeathBeforeTheFirstFrameStopsTheRun) {
     const Ended ended = run(write(deadly("{deed: abort, where: " + where + "}")), path("run"));
     EXPECT_EQ(ended.exit_code, 2);
     EXPECT_THAT(ended.err, HasSubstr("its worker died of signal 6 (Aborted)"));
-    EXPECT_THAT(ended.err, HasSubstr("filters/zoo_deadly"));
+    EXPECT_THAT(ended.err, HasSubstr("filters/test_deadly"));
     EXPECT_FALSE(fs::exists(path("run")));
   }
 }

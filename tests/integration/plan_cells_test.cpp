@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "ablation/plan/grid.hpp"
+#include "lab/ablation/plan/grid.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 std::vector<std::string> keys_of(const std::string& plan) {
@@ -27,4 +27,4 @@ TEST(PlanCells, AreTheSameWhetherThresholdsAreDeclaredOrWrittenOut) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "metrics/metrics.hpp"
+#include "lab/metrics/metrics.hpp"
 #include "pipeline/runs/run.hpp"
 
 namespace weft {
@@ -34,8 +34,8 @@ class Promises : public ::testing::Test {
   Promises() : folder_(fs::temp_directory_path() / ("weft_promises_" + std::to_string(getpid()))) {}
   ~Promises() override { fs::remove_all(folder_); }
 
-  evaluation::RunMetrics measure(const std::string& pipeline,
-                                 const std::vector<std::string>& settings = {}) {
+  lab::RunMetrics measure(const std::string& pipeline,
+                          const std::vector<std::string>& settings = {}) {
     const auto registry = host::Registry::scan(host::search_path({}));
     const auto [checked, report] =
         check_pipeline(WEFT_PIPELINES "/" + pipeline, registry, folder_.string(), settings);
@@ -44,7 +44,7 @@ class Promises : public ::testing::Test {
     const auto summary = run_pipeline(checked, folder_.string(), witness_, cancel);
     if (!summary) throw std::runtime_error(summary.error().message);
     EXPECT_EQ(summary->failed, 0);
-    const auto metrics = evaluation::evaluate_run(folder_.string());
+    const auto metrics = lab::evaluate_run(folder_.string());
     if (!metrics) throw std::runtime_error(metrics.error().message);
     std::cout << pipeline << ": mean " << metrics->all.solved_error.mean_mm << " mm, worst frame "
               << metrics->all.solved_error.worst_mm << " mm\n";

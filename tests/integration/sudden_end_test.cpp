@@ -28,7 +28,7 @@ class SuddenEnd : public testing::PipelineTest {
     std::string text = testing::chain({{"sources", "{frames: 4}"}});
     const std::string filter = "{use: filters/test.scripted, params: {}}";
     return text.replace(text.find(filter), filter.size(),
-                        "{use: filters/zoo_deadly, params: {deed: " + deed + ", frame: 1}}");
+                        "{use: filters/test_deadly, params: {deed: " + deed + ", frame: 1}}");
   }
 };
 
@@ -47,7 +47,7 @@ TEST_F(SuddenEnd, IsToldWithStagePluginAndFrameAndIsNoSuccess) {
     if (deed == "quit" || deed == "exit") {
       EXPECT_EQ(ended.exit_code, 4);
     }
-    EXPECT_THAT(ended.err, HasSubstr("filters (filters/zoo_deadly: filter), frame 1: " + end))
+    EXPECT_THAT(ended.err, HasSubstr("filters (filters/test_deadly: filter), frame 1: " + end))
         << deed;
     EXPECT_THAT(ended.err, HasSubstr("Try isolate: process at its stage")) << deed;
     // The frame before may still have been on its way to the folder.
@@ -67,13 +67,13 @@ TEST_F(SuddenEnd, IsToldOfAComponentThatIsAskedBeforeTheRun) {
     std::string text = testing::chain();
     const std::string filter = "{use: filters/test.scripted, params: {}}";
     text.replace(text.find(filter), filter.size(),
-                 "{use: filters/zoo_leaving, params: " + std::string(params) + "}");
+                 "{use: filters/test_leaving, params: " + std::string(params) + "}");
     const std::string file = write(text);
     for (const std::string command : {"check", "run"}) {
       const Ended ended = weft({command, file});
       EXPECT_EQ(ended.exit_code, 4) << command << ended.err;
       EXPECT_THAT(ended.err,
-                  HasSubstr("filters/zoo_leaving, asked by the checks of " + file + ": " + end))
+                  HasSubstr("filters/test_leaving, asked by the checks of " + file + ": " + end))
           << command;
     }
   }
@@ -89,7 +89,7 @@ TEST_F(SuddenEnd, OfWhoSpoilsItsInputsIsToldUnderParanoidWithTheInput) {
         weft({"run", write(of(deed)), "--out", path(deed), "--quiet", "--paranoid"});
     EXPECT_NE(ended.exit_code, 0) << deed;
     EXPECT_THAT(ended.err,
-                HasSubstr(std::string("filters (filters/zoo_deadly: filter), frame 1: ") + end))
+                HasSubstr(std::string("filters (filters/test_deadly: filter), frame 1: ") + end))
         << deed;
   }
   const Ended sound =
@@ -102,7 +102,7 @@ TEST_F(SuddenEnd, IsToldOfAThreadThatRunsBesideOthers) {
   const std::string text = of("fault");
   const std::string file = write(text.substr(0, 8) + at_once + text.substr(8));
   const Ended ended = weft({"run", file, "--out", path("run"), "--quiet"});
-  EXPECT_THAT(ended.err, HasSubstr("filters (filters/zoo_deadly: filter), frame 1: ended"));
+  EXPECT_THAT(ended.err, HasSubstr("filters (filters/test_deadly: filter), frame 1: ended"));
 }
 
 TEST_F(SuddenEnd, CostsOneFrameInAProcessOfItsOwn) {

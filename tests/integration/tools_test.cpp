@@ -53,7 +53,7 @@ class Tools : public testing::PipelineTest {
   /// Where a library does something when it is loaded.
   Ended weft_falling(const std::string& deed, const std::vector<std::string>& arguments) const {
     std::vector<std::string> words = command(arguments, WEFT_FALLS_FOLDER);
-    words.insert(words.begin() + 3, "WEFT_ZOO_FALLS=" + deed);
+    words.insert(words.begin() + 3, "WEFT_FALLS=" + deed);
     return Child(words, path("printed")).wait();
   }
 
@@ -155,9 +155,10 @@ TEST_F(Tools, WhyNamesCauseAndFixOfEachRefusal) {
 }
 
 TEST_F(Tools, WhyFindsLibrariesThatAreMissing) {
-  const Ended ended = weft_with(WEFT_ZOO_FOLDER, {"plugins", "why", "filters/zoo_needs_missing"});
+  const Ended ended =
+      weft_with(WEFT_MISBEHAVING_FOLDER, {"plugins", "why", "filters/test_needs_missing"});
   EXPECT_EQ(ended.exit_code, 2) << ended.out;
-  EXPECT_THAT(ended.out, HasSubstr("libzoo_absent.so"));
+  EXPECT_THAT(ended.out, HasSubstr("libtest_absent.so"));
   EXPECT_THAT(ended.out, HasSubstr("install the library it needs"));
 }
 
@@ -212,19 +213,19 @@ TEST_F(Tools, DescribesALibraryAsJsonAndWritesNothing) {
 }
 
 TEST_F(Tools, OutliveALibraryThatEndsItsProcessWhenItIsLoaded) {
-  const std::string library = std::string(WEFT_FALLS_FOLDER) + "/filters_zoo_falls.so";
+  const std::string library = std::string(WEFT_FALLS_FOLDER) + "/filters_test_falls.so";
   for (const std::string deed : {"fault", "exit"}) {
     const auto says = HasSubstr("it ends the process that loads it");
-    const Ended why = weft_falling(deed, {"plugins", "why", "filters/zoo_falls"});
+    const Ended why = weft_falling(deed, {"plugins", "why", "filters/test_falls"});
     EXPECT_EQ(why.exit_code, 2) << why.err;
-    EXPECT_THAT(why.out, ::testing::AllOf(HasSubstr("refused: filters/zoo_falls"), says));
+    EXPECT_THAT(why.out, ::testing::AllOf(HasSubstr("refused: filters/test_falls"), says));
     const Ended described = weft_falling(deed, {"plugins", "describe", library, "--json"});
     EXPECT_EQ(described.exit_code, 3);
     EXPECT_THAT(described.err, says);
     const json doctor = parsed(weft_falling(deed, {"doctor", "--json"}));
     const json& devices = doctor["devices"]["of_plugins"];
     const auto of_it = std::find_if(devices.begin(), devices.end(), [](const json& entry) {
-      return entry["plugins"][0] == "filters/zoo_falls";
+      return entry["plugins"][0] == "filters/test_falls";
     });
     ASSERT_NE(of_it, devices.end());
     EXPECT_THAT((*of_it)["reason"].get<std::string>(), says);
@@ -232,9 +233,9 @@ TEST_F(Tools, OutliveALibraryThatEndsItsProcessWhenItIsLoaded) {
 }
 
 TEST_F(Tools, HearNothingOfWhatALibraryPrints) {
-  const std::string library = std::string(WEFT_FALLS_FOLDER) + "/filters_zoo_falls.so";
+  const std::string library = std::string(WEFT_FALLS_FOLDER) + "/filters_test_falls.so";
   const json described = parsed(weft_falling("print", {"plugins", "describe", library, "--json"}));
-  EXPECT_EQ(described["components"][0]["id"], "filters/zoo_falls");
+  EXPECT_EQ(described["components"][0]["id"], "filters/test_falls");
 }
 
 TEST_F(Tools, ATraceOfAKilledRunCanStillBeRead) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "metrics/metrics.hpp"
+#include "lab/metrics/metrics.hpp"
 #include "pipeline/runs/run.hpp"
 
 namespace weft::testing {
@@ -46,7 +46,7 @@ class TrackedPipeline : public ::testing::Test {
   ~TrackedPipeline() override { std::filesystem::remove_all(folder_); }
 
   /// Without what only writes; `text` is laid over the pipeline.
-  evaluation::RunMetrics measure(const std::string& pipeline, const std::string& text) {
+  lab::RunMetrics measure(const std::string& pipeline, const std::string& text) {
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
     const std::string file = (folder_ / "pipeline.yaml").string();
@@ -62,7 +62,7 @@ class TrackedPipeline : public ::testing::Test {
     const auto summary = run_pipeline(checked, out, witness_, cancel);
     if (!summary) throw std::runtime_error(summary.error().message);
     EXPECT_EQ(summary->failed, 0);
-    const auto metrics = evaluation::evaluate_run(out);
+    const auto metrics = lab::evaluate_run(out);
     if (!metrics) throw std::runtime_error(metrics.error().message);
     std::cout << pipeline << ": mean " << metrics->all.solved_error.mean_mm << " mm, worst frame "
               << metrics->all.solved_error.worst_mm << " mm, detected in " << detected() << " of "

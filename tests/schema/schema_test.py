@@ -24,7 +24,7 @@ PIPELINES = sorted(file for folder in ("pipelines", "pipelines/benchmarks")
                    for file in (ROOT / folder).glob("*.yaml"))
 PLANS = sorted(file for folder in ("pipelines/ablations", "tests/integration/plans")
                for file in (ROOT / folder).glob("*.yaml"))
-MALFORMED = {file.stem: file for file in sorted((ROOT / "tests/malformed").glob("*.yaml"))}
+MALFORMED = {file.stem: file for file in sorted((ROOT / "tests/hostile/malformed").glob("*.yaml"))}
 WRONG_PLANS = {file.stem: file for file in sorted((ROOT / "tests/ablation/plans").glob("*.yaml"))
                if file.stem != "base"}
 # What no schema sees: duplicate keys, numbers that JSON lacks or, like 2.0, takes for whole, names

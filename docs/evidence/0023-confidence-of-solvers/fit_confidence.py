@@ -31,7 +31,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-RIGHT_SHARE, WRONG_MM = 0.02, 20.0  # as in framework/src/metrics/certainty_metrics.hpp
+RIGHT_SHARE, WRONG_MM = 0.02, 20.0  # as in framework/lab/metrics/certainty_metrics.hpp
 LEAST_OF_A_KIND = 10  # right and wrong frames, or there is nothing to fit
 VARIANTS = {"chhatkuli_2014": "chhatkuli_stable", "chhatkuli_2017": "chhatkuli_stable"}
 BINS = [0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 1.0]

@@ -18,10 +18,10 @@
 #include <weft/testing/synthetic.hpp>
 
 #include "host/records/npz.hpp"
-#include "metrics/forms/metrics_report.hpp"
-#include "results/cell_line.hpp"
+#include "lab/metrics/forms/metrics_report.hpp"
+#include "lab/results/cell_line.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 
 /// A results folder whose figures are known, as an ablation would have written it.
 ///
@@ -273,4 +273,4 @@ class FakeResults {
   std::vector<nlohmann::json> cells_;
 };
 
-}  // namespace weft::evaluation
+}  // namespace weft::lab

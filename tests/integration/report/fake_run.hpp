@@ -8,7 +8,7 @@
 
 #include "unit/metrics/test_run.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 
 inline constexpr int kRunFrames = 8;
 
@@ -92,4 +92,4 @@ inline void compare_with_print(TestRun& run) {
   }
 }
 
-}  // namespace weft::evaluation
+}  // namespace weft::lab

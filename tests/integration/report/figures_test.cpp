@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/figures.hpp"
+#include "lab/report/figures.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,9 +7,9 @@
 #include <stdexcept>
 
 #include "fake_results.hpp"
-#include "report/parts.hpp"
+#include "lab/report/parts.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::ElementsAre;
@@ -137,4 +137,4 @@ TEST(ReportFigures, AreLeftOutWhereTheySayNothing) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

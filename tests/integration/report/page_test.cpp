@@ -5,7 +5,7 @@
 #include "fake_run.hpp"
 #include "support/child.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 /// The script opens the page in a browser.
@@ -54,4 +54,4 @@ TEST(ReportPage, OfARunOpensInABrowserWithItsFramesAndItsShapes) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/report.hpp"
+#include "lab/report/report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,12 +7,12 @@
 #include <cstdlib>
 
 #include "fake_results.hpp"
-#include "report/paper/paper.hpp"
-#include "report/tables/tables.hpp"
-#include "report/text/latex.hpp"
-#include "report/text/text_table.hpp"
+#include "lab/report/paper/paper.hpp"
+#include "lab/report/tables/tables.hpp"
+#include "lab/report/text/latex.hpp"
+#include "lab/report/text/text_table.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::HasSubstr;
@@ -522,4 +522,4 @@ TEST(Report, SaysWhichOfItsOwnFilesIsMissing) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/runs/run_report.hpp"
+#include "lab/report/runs/run_report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,12 +11,12 @@
 #include <tuple>
 
 #include "fake_run.hpp"
-#include "report/runs/png_picture.hpp"
-#include "report/runs/run_page.hpp"
-#include "report/runs/video_pictures.hpp"
+#include "lab/report/runs/png_picture.hpp"
+#include "lab/report/runs/run_page.hpp"
+#include "lab/report/runs/video_pictures.hpp"
 #include "support/child.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::ElementsAre;
@@ -197,4 +197,4 @@ TEST(RunReport, NamesWhatIsWrongWithAFolder) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/figures.hpp"
+#include "lab/bench/figures.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/measure.hpp"
+#include "lab/bench/measure.hpp"
 
 #include <gmock/gmock.h>
 
-#include "bench/overlap.hpp"
+#include "lab/bench/overlap.hpp"
 
 namespace weft::bench {
 namespace {

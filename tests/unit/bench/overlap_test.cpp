@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/overlap.hpp"
+#include "lab/bench/overlap.hpp"
 
 #include <gmock/gmock.h>
 
-#include "bench/pipeline_subject.hpp"
+#include "lab/bench/pipeline_subject.hpp"
 #include "support/pipeline_fixture.hpp"
 
 namespace weft::bench {

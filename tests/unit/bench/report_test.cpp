@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/report.hpp"
+#include "lab/bench/report.hpp"
 
 #include <gmock/gmock.h>
 

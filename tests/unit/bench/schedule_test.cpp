@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/schedule.hpp"
+#include "lab/bench/schedule.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "calibration/board.hpp"
+#include "lab/calibration/board.hpp"
 
 #include <gmock/gmock.h>
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "calibration/board.hpp"
-#include "calibration/view.hpp"
+#include "lab/calibration/board.hpp"
+#include "lab/calibration/view.hpp"
 #include "support/lens.hpp"
 
 namespace weft::calibration {

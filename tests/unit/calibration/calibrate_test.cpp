@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "calibration/calibrate.hpp"
+#include "lab/calibration/calibrate.hpp"
 
 #include <gmock/gmock.h>
 
@@ -8,9 +8,9 @@
 #include <opencv2/calib3d.hpp>
 
 #include "board_views.hpp"
-#include "calibration/camera_text.hpp"
-#include "calibration/refusal.hpp"
-#include "calibration/residual_picture.hpp"
+#include "lab/calibration/camera_text.hpp"
+#include "lab/calibration/refusal.hpp"
+#include "lab/calibration/residual_picture.hpp"
 
 namespace weft::calibration {
 namespace {

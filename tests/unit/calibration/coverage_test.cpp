@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "calibration/coverage.hpp"
+#include "lab/calibration/coverage.hpp"
 
 #include <gmock/gmock.h>
 

@@ -5,9 +5,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "board_views.hpp"
-#include "calibration/board_finder.hpp"
-#include "calibration/board_recognition.hpp"
-#include "calibration/calibrate.hpp"
+#include "lab/calibration/board_finder.hpp"
+#include "lab/calibration/board_recognition.hpp"
+#include "lab/calibration/calibrate.hpp"
 #include "support/page_camera.hpp"
 
 namespace weft::calibration {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "conformance/check_in_child.hpp"
+#include "kit/conformance/check_in_child.hpp"
 
 #include <gmock/gmock.h>
 

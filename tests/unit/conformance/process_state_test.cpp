@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "conformance/probes/process_state.hpp"
+#include "kit/conformance/probes/process_state.hpp"
 
 #include <gtest/gtest.h>
 

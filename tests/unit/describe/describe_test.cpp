@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "describe/describe.hpp"
+#include "host/describe/describe.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,16 +5,16 @@
 #include <map>
 
 #include "host/calling/hashing.hpp"
-#include "zoo/zoo.hpp"
+#include "misbehaving/misbehaving.hpp"
 
 namespace weft::host {
 namespace {
 
+using misbehaving::Resolved;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using zoo::Resolved;
 
-const std::string kGood = "filters/zoo_good";
+const std::string kGood = "filters/test_good";
 
 class ComponentSpecTest : public ::testing::Test {
  protected:
@@ -27,7 +27,7 @@ class ComponentSpecTest : public ::testing::Test {
       const auto found = variables_.find(name);
       return found != variables_.end() ? std::optional<std::string>(found->second) : std::nullopt;
     };
-    return zoo::resolve(registry_, id, params, rules);
+    return misbehaving::resolve(registry_, id, params, rules);
   }
   void expect_problem(const std::string& params, const std::string& message) {
     const Resolved resolved = good(params);
@@ -41,9 +41,9 @@ class ComponentSpecTest : public ::testing::Test {
     return value == nullptr ? "absent" : value->scalar;
   }
 
-  zoo::TemporaryFolder folder_;
+  misbehaving::TemporaryFolder folder_;
   std::map<std::string, std::string> variables_;
-  const Registry registry_ = zoo::scan();
+  const Registry registry_ = misbehaving::scan();
 };
 
 TEST_F(ComponentSpecTest, VariablesAreExpandedInTexts) {
@@ -65,17 +65,17 @@ TEST_F(ComponentSpecTest, WithoutParametersAllDefaultsAreEffective) {
     EXPECT_EQ(effective(resolved, "colour"), "green");
     ASSERT_EQ(resolved.spec->nested.size(), 1U);
     EXPECT_EQ(resolved.spec->nested[0].parameter, "warp");
-    EXPECT_EQ(resolved.spec->nested[0].component.component().id, "warps/zoo_shift");
+    EXPECT_EQ(resolved.spec->nested[0].component.component().id, "warps/test_shift");
   }
 }
 
 TEST_F(ComponentSpecTest, ParametersReachTheComponent) {
-  zoo::write_file(folder_ / "table.csv", "1");
+  misbehaving::write_file(folder_ / "table.csv", "1");
   variables_["DATA"] = folder_.path().string();
   const Resolved resolved = good(
       "{length_mm: 7, free: -2.5e3, count: -4, flag: false, colour: blue, limits_px: [1, -2.5, 3],"
       " title: a title, table: '${DATA}/table.csv', report: out/r.csv, apart: {'009': x, b: y},"
-      " warp: {use: warps/zoo_shift, params: {shift_px: 30}}, steps: [900000000000001, -9, 0],"
+      " warp: {use: warps/test_shift, params: {shift_px: 30}}, steps: [900000000000001, -9, 0],"
       " words: ['12', seven77]}");
   ASSERT_TRUE(resolved.spec) << resolved.problem();
   Lane lane(1, {});
@@ -86,7 +86,7 @@ TEST_F(ComponentSpecTest, ParametersReachTheComponent) {
   templ.flat_px = Array<double>({3, 2}, 0.0);
   templ.faces = Array<std::int32_t>({1, 3}, 0);
   templ.texture = templ.mask = Array<std::uint8_t>({2, 2}, 0);
-  const Correspondences matches = zoo::make_matches(3);
+  const Correspondences matches = misbehaving::make_matches(3);
   const RecordView<Correspondences> view("correspondences", matches);
   const RecordView<Template> template_view("template", templ);
   const weft_record inputs[] = {view.raw(), template_view.raw()};
@@ -118,8 +118,8 @@ TEST_F(ComponentSpecTest, ParametersReachTheComponent) {
 
 TEST_F(ComponentSpecTest, AnUnknownParameterIsAnErrorWithASuggestion) {
   expect_problem("{lenght_mm: 3}",
-                 "2:10: filters/zoo_good has no parameter 'lenght_mm'; did you mean 'length_mm'?");
-  expect_problem("{zzzzzz: 3}", "see: weft plugins show filters/zoo_good");
+                 "2:10: filters/test_good has no parameter 'lenght_mm'; did you mean 'length_mm'?");
+  expect_problem("{zzzzzz: 3}", "see: weft plugins show filters/test_good");
 }
 
 TEST_F(ComponentSpecTest, AllMistakesAreReportedInOnePass) {
@@ -167,7 +167,7 @@ TEST_F(ComponentSpecTest, RangesAreCheckedWithTheUnitInTheMessage) {
 }
 
 TEST_F(ComponentSpecTest, InputPathsStandInTheFilesFolderAndMustExist) {
-  zoo::write_file(folder_ / "table.csv", "1");
+  misbehaving::write_file(folder_ / "table.csv", "1");
   EXPECT_EQ(effective(good("{table: table.csv}"), "table"), folder_ / "table.csv");
   EXPECT_EQ(effective(good("{table: sub/../table.csv}"), "table"), folder_ / "table.csv");
   EXPECT_EQ(effective(good("{table: " + (folder_ / "table.csv") + "}"), "table"),
@@ -229,19 +229,20 @@ TEST_F(ComponentSpecTest, TheHomeFolderIsExpandedAtTheBeginningOfPathsAsShellsDo
 }
 
 TEST_F(ComponentSpecTest, NestedComponentsAreCheckedToo) {
-  expect_problem("{warp: {use: warps/zoo_shift, params: {shift_px: far}}}", "'shift_px' must be");
-  expect_problem("{warp: {use: warps/zoo_shft}}", "did you mean 'warps/zoo_shift'?");
-  expect_problem("{warp: {use: filters/zoo_strict}}",
-                 "2:22: 'warp' must be one of warps/..., not 'filters/zoo_strict'");
+  expect_problem("{warp: {use: warps/test_shift, params: {shift_px: far}}}", "'shift_px' must be");
+  expect_problem("{warp: {use: warps/test_shft}}", "did you mean 'warps/test_shift'?");
+  expect_problem("{warp: {use: filters/test_strict}}",
+                 "2:22: 'warp' must be one of warps/..., not 'filters/test_strict'");
   expect_problem("{warp: {}}", "'warp' lacks the key 'use'");
   expect_problem("{warp: {params: {shift_px: far}}}", "'shift_px' must be");
-  expect_problem("{warp: warps/zoo_shift}",
-                 "'warp' must be a component, such as {use: warps/zoo_shift}");
-  expect_problem("{warp: {use: warps/zoo_shift, with: 3}}", "a nested component has no key 'with'");
+  expect_problem("{warp: warps/test_shift}",
+                 "'warp' must be a component, such as {use: warps/test_shift}");
+  expect_problem("{warp: {use: warps/test_shift, with: 3}}",
+                 "a nested component has no key 'with'");
   expect_problem("{warp: {shift_px: 3}}",
                  "a nested component has no key 'shift_px'; it has use and params; did you mean "
                  "'warp.params.shift_px'?");
-  expect_problem("{warp: {use: [warps/zoo_shift]}}", "'use' must be the id of a plugin");
+  expect_problem("{warp: {use: [warps/test_shift]}}", "'use' must be the id of a plugin");
 }
 
 TEST_F(ComponentSpecTest, ParametersAloneAreThoseOfTheDefaultComponent) {
@@ -249,49 +250,49 @@ TEST_F(ComponentSpecTest, ParametersAloneAreThoseOfTheDefaultComponent) {
   ASSERT_TRUE(resolved.spec) << resolved.problem();
   const yaml::Node* warp = resolved.spec->effective.find("params")->find("warp");
   ASSERT_NE(warp, nullptr);
-  EXPECT_EQ(warp->find("use")->scalar, "warps/zoo_shift");
+  EXPECT_EQ(warp->find("use")->scalar, "warps/test_shift");
   EXPECT_EQ(warp->find("params")->find("shift_px")->scalar, "5");
 }
 
 TEST_F(ComponentSpecTest, NestedDefaultsAreEffectiveToo) {
-  const Resolved resolved = good("{warp: {use: warps/zoo_shift, params: {shift_px: 5}}}");
+  const Resolved resolved = good("{warp: {use: warps/test_shift, params: {shift_px: 5}}}");
   ASSERT_TRUE(resolved.spec);
   const yaml::Node* warp = resolved.spec->effective.find("params")->find("warp");
   ASSERT_NE(warp, nullptr);
-  EXPECT_EQ(warp->find("use")->scalar, "warps/zoo_shift");
+  EXPECT_EQ(warp->find("use")->scalar, "warps/test_shift");
   EXPECT_EQ(warp->find("params")->find("shift_px")->scalar, "5");
   EXPECT_EQ(warp->find("params")->find("extra_samples")->scalar, "0");
 }
 
 TEST_F(ComponentSpecTest, RequiredParametersAreMissedWithTheirHelp) {
-  const Resolved resolved = resolve("filters/zoo_strict", "{}");
+  const Resolved resolved = resolve("filters/test_strict", "{}");
   EXPECT_FALSE(resolved.spec);
   EXPECT_THAT(resolved.problems, ElementsAre(HasSubstr("requires the parameter 'ratio': a share"),
                                              HasSubstr("'rounds': how often"),
                                              HasSubstr("'model': a file that must be given")));
-  const Resolved empty = resolve("filters/zoo_strict", "{ratio: 0.5, rounds: 2, model: ''}");
+  const Resolved empty = resolve("filters/test_strict", "{ratio: 0.5, rounds: 2, model: ''}");
   EXPECT_THAT(empty.problems, ElementsAre(HasSubstr("'model' must be a path")));
-  zoo::write_file(folder_ / "m", "");
-  EXPECT_TRUE(resolve("filters/zoo_strict", "{ratio: 0.5, rounds: 2, model: m}").spec);
+  misbehaving::write_file(folder_ / "m", "");
+  EXPECT_TRUE(resolve("filters/test_strict", "{ratio: 0.5, rounds: 2, model: m}").spec);
 }
 
 TEST_F(ComponentSpecTest, AMistakeInADefaultIsReportedAtTheUse) {
-  zoo::TemporaryFolder plugins;
-  plugins.adopt("filters_zoo_good");
-  const std::string file = plugins / "filters_zoo_good.plugin.yaml";
-  std::string manifest = zoo::read_file(file);
+  misbehaving::TemporaryFolder plugins;
+  plugins.adopt("filters_test_good");
+  const std::string file = plugins / "filters_test_good.plugin.yaml";
+  std::string manifest = misbehaving::read_file(file);
   manifest.replace(manifest.find("default: 12.5"), 13, "default: 1000");
-  zoo::write_file(file, manifest);
-  const Resolved resolved = zoo::resolve(zoo::scan(plugins.path()), kGood);
+  misbehaving::write_file(file, manifest);
+  const Resolved resolved = misbehaving::resolve(misbehaving::scan(plugins.path()), kGood);
   EXPECT_THAT(resolved.problems, ElementsAre(HasSubstr("1:6: 'length_mm' is 1000")));
 }
 
 TEST_F(ComponentSpecTest, AnUnknownPluginIsAnErrorAtItsPlace) {
-  EXPECT_THAT(resolve("filters/zoo_goood", "{}").problems,
-              ElementsAre("1:6: no plugin 'filters/zoo_goood' is installed; did you mean "
-                          "'filters/zoo_good'?"));
+  EXPECT_THAT(resolve("filters/test_goood", "{}").problems,
+              ElementsAre("1:6: no plugin 'filters/test_goood' is installed; did you mean "
+                          "'filters/test_good'?"));
   EXPECT_THAT(resolve("[a]", "{}").problems, ElementsAre(HasSubstr("'use' must be the id")));
-  EXPECT_THAT(resolve("filters/zoo_wrong_abi", "{}").problem(), HasSubstr("cannot be used"));
+  EXPECT_THAT(resolve("filters/test_wrong_abi", "{}").problem(), HasSubstr("cannot be used"));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <weft/data/owned.hpp>
 
 #include "host/calling/hashing.hpp"
-#include "zoo/zoo.hpp"
+#include "misbehaving/misbehaving.hpp"
 
 namespace weft::host {
 namespace {
@@ -23,7 +23,7 @@ class LaneTest : public ::testing::Test {
 
   Instance& instantiate(const std::string& id, const std::string& params = "{}",
                         const std::string& stage = "filters") {
-    specs_.push_back(zoo::resolve(registry_, id, params));
+    specs_.push_back(misbehaving::resolve(registry_, id, params));
     if (!specs_.back().spec) throw std::runtime_error(specs_.back().problem());
     const auto instance = lane_.instantiate(*specs_.back().spec, stage);
     if (!instance) throw std::runtime_error(instance.error().message);
@@ -31,7 +31,7 @@ class LaneTest : public ::testing::Test {
   }
 
   Outcome filter(Instance& filter, std::uint64_t frame = 0, bool with_template = true) {
-    const Correspondences matches = zoo::make_matches(4);
+    const Correspondences matches = misbehaving::make_matches(4);
     const RecordView<Correspondences> view("correspondences", matches);
     const RecordView<Template> template_view("template", templ_);
     std::vector<weft_record> inputs{view.raw()};
@@ -46,16 +46,16 @@ class LaneTest : public ::testing::Test {
                : 0.0;
   }
 
-  const Registry registry_ = zoo::scan();
-  std::deque<zoo::Resolved> specs_;
+  const Registry registry_ = misbehaving::scan();
+  std::deque<misbehaving::Resolved> specs_;
   Lane lane_{7, {}};
   Template templ_;
 };
 
 TEST_F(LaneTest, RandomDrawsDependOnRunFrameAndStageOnly) {
-  Instance& one = instantiate("filters/zoo_good");
-  Instance& same_stage = instantiate("filters/zoo_good", "{count: 9}");
-  Instance& other_stage = instantiate("filters/zoo_good", "{}", "filters#2");
+  Instance& one = instantiate("filters/test_good");
+  Instance& same_stage = instantiate("filters/test_good", "{count: 9}");
+  Instance& other_stage = instantiate("filters/test_good", "{}", "filters#2");
   const double draw = diag(filter(one, 3), "first_draw");
   EXPECT_EQ(draw, Rng(component_seed(7, 3, "filters", "")).uniform());
   EXPECT_EQ(diag(filter(one, 3), "first_draw"), draw);
@@ -65,29 +65,29 @@ TEST_F(LaneTest, RandomDrawsDependOnRunFrameAndStageOnly) {
 }
 
 TEST_F(LaneTest, ANestedFailureIsTheParentsWithTheNestedId) {
-  Instance& parent = instantiate("filters/zoo_good",
-                                 "{warp: {use: warps/zoo_shift, params: {always_fails: true}}}");
+  Instance& parent = instantiate("filters/test_good",
+                                 "{warp: {use: warps/test_shift, params: {always_fails: true}}}");
   const Outcome outcome = filter(parent);
   EXPECT_EQ(outcome.status, WEFT_NO_RESULT);
   EXPECT_EQ(outcome.error.code, Errc::no_result);
   EXPECT_EQ(outcome.error.message, "told to fail");
-  EXPECT_EQ(outcome.error.where, "warps/zoo_shift");
+  EXPECT_EQ(outcome.error.where, "warps/test_shift");
 }
 
 TEST_F(LaneTest, ANestedWarpThatReturnsTooFewOrTooManySamplesIsCaught) {
   for (const std::string extra : {"-1", "1"}) {
     Instance& parent =
-        instantiate("filters/zoo_good",
-                    "{warp: {use: warps/zoo_shift, params: {extra_samples: " + extra + "}}}");
+        instantiate("filters/test_good",
+                    "{warp: {use: warps/test_shift, params: {extra_samples: " + extra + "}}}");
     const Outcome outcome = filter(parent);
     EXPECT_EQ(outcome.status, WEFT_ERROR);
-    EXPECT_EQ(outcome.error.where, "warps/zoo_shift");
+    EXPECT_EQ(outcome.error.where, "warps/test_shift");
     EXPECT_THAT(outcome.error.message, HasSubstr("entries for 4 of the input 'points'"));
   }
 }
 
 TEST_F(LaneTest, TimesEveryCallNestedOnesFirst) {
-  filter(instantiate("filters/zoo_good"));
+  filter(instantiate("filters/test_good"));
   std::vector<std::string> names;
   for (const Timing& timing : lane_.take_timings()) {
     names.push_back(timing.component);
@@ -98,7 +98,7 @@ TEST_F(LaneTest, TimesEveryCallNestedOnesFirst) {
 }
 
 TEST_F(LaneTest, GivesTheTimesOfOneFrameAndKeepsThoseOfOthers) {
-  Instance& good = instantiate("filters/zoo_good");
+  Instance& good = instantiate("filters/test_good");
   for (const std::uint64_t frame : {4U, 2U, 4U}) filter(good, frame);
   const auto frames_of = [](const Timings& timings) {
     std::vector<std::uint64_t> frames;
@@ -115,8 +115,8 @@ TEST_F(LaneTest, GivesTheTimesOfOneFrameAndKeepsThoseOfOthers) {
 }
 
 TEST_F(LaneTest, CountsProcessorTimeOfAllThreadsAndNoneOfWaiting) {
-  filter(instantiate("filters/zoo_busy", "{threads: 3, each_ms: 10}"));
-  filter(instantiate("filters/zoo_busy", "{threads: 0, sleep_ms: 40}"));
+  filter(instantiate("filters/test_busy", "{threads: 3, each_ms: 10}"));
+  filter(instantiate("filters/test_busy", "{threads: 0, sleep_ms: 40}"));
   const Timings timings = lane_.take_timings();
   ASSERT_EQ(timings.size(), 2U);
   EXPECT_GE(timings[0].took.processor_ms, 30.0);
@@ -125,9 +125,9 @@ TEST_F(LaneTest, CountsProcessorTimeOfAllThreadsAndNoneOfWaiting) {
 }
 
 TEST_F(LaneTest, AFlaggedResultKeepsItsOutputsAndItsReason) {
-  const zoo::TemporaryFolder folder;
-  zoo::write_file(folder / "model", "");
-  Instance& strict = instantiate("filters/zoo_strict",
+  const misbehaving::TemporaryFolder folder;
+  misbehaving::write_file(folder / "model", "");
+  Instance& strict = instantiate("filters/test_strict",
                                  "{ratio: 0.25, rounds: 9, model: " + (folder / "model") + "}");
   const Outcome outcome = filter(strict, 0, false);
   EXPECT_EQ(outcome.status, WEFT_DEGENERATE);
@@ -137,7 +137,7 @@ TEST_F(LaneTest, AFlaggedResultKeepsItsOutputsAndItsReason) {
 }
 
 TEST_F(LaneTest, RevisionsOfOutputsAreNeverUsedTwice) {
-  Instance& good = instantiate("filters/zoo_good");
+  Instance& good = instantiate("filters/test_good");
   std::set<std::uint64_t> revisions;
   for (int i = 0; i < 10; ++i) {
     const Outcome outcome = filter(good, 1);
@@ -151,13 +151,13 @@ TEST_F(LaneTest, TwoLanesNeverGiveEqualRevisions) {
   std::set<std::uint64_t> revisions;
   for (int i = 0; i < 5; ++i) {
     for (Lane* lane : {&lane_, &other}) {
-      const auto matches = Record::copy_of(zoo::make_matches(2));
+      const auto matches = Record::copy_of(misbehaving::make_matches(2));
       ASSERT_TRUE(lane->admit(*matches, "correspondences"));
       EXPECT_TRUE(revisions.insert(matches->revision()).second) << matches->revision();
     }
   }
   EXPECT_EQ(revisions.count(0), 0U);
-  const auto matches = Record::copy_of(zoo::make_matches(2));
+  const auto matches = Record::copy_of(misbehaving::make_matches(2));
   Lane worker(7, {}, nullptr, kRevisionOfWorker);
   ASSERT_TRUE(worker.admit(*matches, "correspondences"));
   EXPECT_NE(matches->revision() & kRevisionOfWorker, 0U);
@@ -187,13 +187,13 @@ TEST_F(LaneTest, EqualTemplatesAndCamerasHaveEqualRevisionsInAllLanes) {
 
 TEST_F(LaneTest, ANestedComponentIsGivenTheRevisionOfWhatItsParentPassesOn) {
   templ_.revision = 77;
-  EXPECT_EQ(diag(filter(instantiate("filters/zoo_good")), "template_revision"), 77.0);
+  EXPECT_EQ(diag(filter(instantiate("filters/test_good")), "template_revision"), 77.0);
 }
 
 TEST_F(LaneTest, AWarpIsEvaluatedByItsProducer) {
-  Instance& near = instantiate("warps/zoo_shift", "{shift_px: 1}", "warps");
-  Instance& far = instantiate("warps/zoo_shift", "{shift_px: 100}", "warps#2");
-  const Correspondences matches = zoo::make_matches(4);
+  Instance& near = instantiate("warps/test_shift", "{shift_px: 1}", "warps");
+  Instance& far = instantiate("warps/test_shift", "{shift_px: 100}", "warps#2");
+  const Correspondences matches = misbehaving::make_matches(4);
   const RecordView<Correspondences> view("correspondences", matches);
   const RecordView<Template> template_view("template", templ_);
   const weft_record inputs[] = {view.raw(), template_view.raw()};

@@ -10,19 +10,19 @@
 #include <weft/core/index.hpp>
 #include <weft/data/npy.hpp>
 
+#include "misbehaving/misbehaving.hpp"
 #include "unit/data/random_record.hpp"
-#include "zoo/zoo.hpp"
 
 namespace weft::host {
 namespace {
 
 namespace fs = std::filesystem;
+using misbehaving::read_file;
+using misbehaving::TemporaryFolder;
+using misbehaving::write_file;
 using ::testing::HasSubstr;
 using testing_data::content_of;
 using testing_data::random_record;
-using zoo::read_file;
-using zoo::TemporaryFolder;
-using zoo::write_file;
 
 constexpr std::uint64_t kSeed = 301;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "roles/open_slots.hpp"
+#include "host/roles/open_slots.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -5,14 +5,14 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "zoo/zoo.hpp"
+#include "misbehaving/misbehaving.hpp"
 
 namespace weft::host {
 namespace {
 
 using ::testing::HasSubstr;
 namespace fs = std::filesystem;
-using zoo::TemporaryFolder;
+using misbehaving::TemporaryFolder;
 
 /// Sets a variable of the environment for one test.
 class Variable {
@@ -58,14 +58,14 @@ TEST(SearchPath, IsWhatWasGivenThenTheVariableThenBesideTheProgram) {
 
 TEST(Registry, TheFirstFolderWithAnIdWinsAndTheOtherIsShown) {
   const TemporaryFolder first, second;
-  first.adopt("filters_zoo_good");
-  second.adopt("filters_zoo_good");
-  second.adopt("filters_zoo_throws");
+  first.adopt("filters_test_good");
+  second.adopt("filters_test_good");
+  second.adopt("filters_test_throws");
   const Registry registry = Registry::scan({{first.path(), "a"}, {second.path(), "b"}});
   EXPECT_TRUE(registry.refusals().empty());
-  EXPECT_EQ(folder_of(registry, "filters/zoo_good"), first.path().string());
-  EXPECT_EQ(registry.find("filters/zoo_good")->origin, "a");
-  EXPECT_EQ(folder_of(registry, "filters/zoo_throws"), second.path().string());
+  EXPECT_EQ(folder_of(registry, "filters/test_good"), first.path().string());
+  EXPECT_EQ(registry.find("filters/test_good")->origin, "a");
+  EXPECT_EQ(folder_of(registry, "filters/test_throws"), second.path().string());
   int shadowed = 0;
   for (const Installed& entry : registry.installed()) {
     if (!entry.shadowed) continue;
@@ -74,26 +74,26 @@ TEST(Registry, TheFirstFolderWithAnIdWinsAndTheOtherIsShown) {
   }
   EXPECT_EQ(shadowed, 3);  // the three components of the good library
   const Registry reversed = Registry::scan({{second.path(), "b"}, {first.path(), "a"}});
-  EXPECT_EQ(folder_of(reversed, "filters/zoo_good"), second.path().string());
+  EXPECT_EQ(folder_of(reversed, "filters/test_good"), second.path().string());
 }
 
 TEST(Registry, TheOrderOfTheVariableDecides) {
   const TemporaryFolder first, second;
-  first.adopt("filters_zoo_good");
-  second.adopt("filters_zoo_good");
+  first.adopt("filters_test_good");
+  second.adopt("filters_test_good");
   const std::string one = first.path().string(), two = second.path().string();
   {
     const Variable variable("WEFT_PLUGIN_PATH", one + ":" + two);
-    EXPECT_EQ(folder_of(Registry::scan(search_path({})), "filters/zoo_good"), one);
-    EXPECT_EQ(folder_of(Registry::scan(search_path({two})), "filters/zoo_good"), two);
+    EXPECT_EQ(folder_of(Registry::scan(search_path({})), "filters/test_good"), one);
+    EXPECT_EQ(folder_of(Registry::scan(search_path({two})), "filters/test_good"), two);
   }
   const Variable variable("WEFT_PLUGIN_PATH", two + ":" + one);
-  EXPECT_EQ(folder_of(Registry::scan(search_path({})), "filters/zoo_good"), two);
+  EXPECT_EQ(folder_of(Registry::scan(search_path({})), "filters/test_good"), two);
 }
 
 TEST(Registry, AFolderNamedTwiceCountsOnce) {
   const TemporaryFolder folder;
-  folder.adopt("filters_zoo_good");
+  folder.adopt("filters_test_good");
   const std::string path = folder.path();
   const Registry registry =
       Registry::scan({{path, "a"}, {path + "/../" + folder.path().filename().string(), "b"}});
@@ -104,34 +104,34 @@ TEST(Registry, AFolderNamedTwiceCountsOnce) {
 
 TEST(Registry, ARefusedLibraryDoesNotHideTheSameIdInALaterFolder) {
   const TemporaryFolder first, second;
-  first.adopt("filters_zoo_good");
-  zoo::write_file(first / "filters_zoo_good.so", "no library");
-  second.adopt("filters_zoo_good");
+  first.adopt("filters_test_good");
+  misbehaving::write_file(first / "filters_test_good.so", "no library");
+  second.adopt("filters_test_good");
   const Registry registry = Registry::scan({{first.path(), "a"}, {second.path(), "b"}});
   EXPECT_EQ(registry.refusals().size(), 1U);
-  EXPECT_EQ(folder_of(registry, "filters/zoo_good"), second.path().string());
+  EXPECT_EQ(folder_of(registry, "filters/test_good"), second.path().string());
 }
 
 TEST(Registry, ExplainsWhatIsMissing) {
-  const Registry registry = zoo::scan();
-  EXPECT_EQ(registry.find("filters/zoo_god"), nullptr);
-  EXPECT_THAT(registry.explain_missing("filters/zoo_god"),
-              HasSubstr("did you mean 'filters/zoo_good'?"));
+  const Registry registry = misbehaving::scan();
+  EXPECT_EQ(registry.find("filters/test_god"), nullptr);
+  EXPECT_THAT(registry.explain_missing("filters/test_god"),
+              HasSubstr("did you mean 'filters/test_good'?"));
   EXPECT_THAT(registry.explain_missing("completely/different"),
               AllOf(HasSubstr("an id begins with one of these roles: filters, passes, warps"),
                     HasSubstr("--plugin-path")));
 }
 
 TEST(Manifest, SaysWhatTheSourceDeclares) {
-  const auto manifest = read_manifest(zoo::kFolder + "/filters_zoo_good.plugin.yaml");
+  const auto manifest = read_manifest(misbehaving::kFolder + "/filters_test_good.plugin.yaml");
   ASSERT_TRUE(manifest) << manifest.error().message;
-  EXPECT_EQ(manifest->library, zoo::library("filters_zoo_good"));
+  EXPECT_EQ(manifest->library, misbehaving::library("filters_test_good"));
   EXPECT_EQ(manifest->abi_major, WEFT_ABI_MAJOR);
   EXPECT_EQ(manifest->abi_minor, WEFT_ABI_MINOR);
   EXPECT_FALSE(manifest->compiler.empty());
   ASSERT_EQ(manifest->components.size(), 3U);
   const ComponentManifest& good = manifest->components[0];
-  EXPECT_EQ(good.id, "filters/zoo_good");
+  EXPECT_EQ(good.id, "filters/test_good");
   EXPECT_EQ(good.role(), "filters");
   EXPECT_EQ(good.version, "1.2.3");
   EXPECT_EQ(good.summary, "Keeps every match; \"quoted\", \\ and all.");

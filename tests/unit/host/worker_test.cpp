@@ -13,8 +13,8 @@
 #include <thread>
 #include <weft/core/index.hpp>
 
+#include "misbehaving/misbehaving.hpp"
 #include "support/processes.hpp"
-#include "zoo/zoo.hpp"
 
 namespace weft::host {
 namespace {
@@ -24,7 +24,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-constexpr const char* kNested = "{warp: {use: warps/zoo_shift, params: {shift_px: 7.25}}}";
+constexpr const char* kNested = "{warp: {use: warps/test_shift, params: {shift_px: 7.25}}}";
 
 /// One lane with shared memory, and what its components logged.
 class WorkerTest : public ::testing::Test {
@@ -46,7 +46,7 @@ class WorkerTest : public ::testing::Test {
   }
 
   const ComponentSpec& spec(const std::string& id, const std::string& params = "{}") {
-    specs_.push_back(zoo::resolve(registry_, id, params));
+    specs_.push_back(misbehaving::resolve(registry_, id, params));
     if (!specs_.back().spec) throw std::runtime_error(specs_.back().problem());
     return *specs_.back().spec;
   }
@@ -67,14 +67,14 @@ class WorkerTest : public ::testing::Test {
   }
 
   Outcome filter(Instance& filter, std::uint64_t frame = 0, std::int64_t count = 5) {
-    const Correspondences matches = zoo::make_matches(count);
+    const Correspondences matches = misbehaving::make_matches(count);
     const RecordView<Correspondences> view("correspondences", matches);
     const weft_record inputs[] = {view.raw(), templ_->view("template")};
     return lane_->call(filter, 0, inputs, frame);
   }
 
   Outcome fit(Instance& warp) {
-    const Correspondences matches = zoo::make_matches(4);
+    const Correspondences matches = misbehaving::make_matches(4);
     const RecordView<Correspondences> view("correspondences", matches);
     const weft_record inputs[] = {view.raw(), templ_->view("template")};
     return lane_->call(warp, 0, inputs, 0);
@@ -87,8 +87,9 @@ class WorkerTest : public ::testing::Test {
                : -999.0;
   }
 
-  const Registry registry_ = Registry::scan({{zoo::kFolder, "test"}, {WEFT_DEADLY_FOLDER, "test"}});
-  std::deque<zoo::Resolved> specs_;
+  const Registry registry_ =
+      Registry::scan({{misbehaving::kFolder, "test"}, {WEFT_DEADLY_FOLDER, "test"}});
+  std::deque<misbehaving::Resolved> specs_;
   std::shared_ptr<Record> templ_, camera_;
   std::vector<std::string> logged_;
   std::unique_ptr<Lane> lane_ = std::make_unique<Lane>(
@@ -121,17 +122,17 @@ std::vector<std::string> names(const Timings& timings) {
 }
 
 std::size_t open_files() {
-  return to_index(
-      std::distance(zoo::fs::directory_iterator("/proc/self/fd"), zoo::fs::directory_iterator{}));
+  return to_index(std::distance(misbehaving::fs::directory_iterator("/proc/self/fd"),
+                                misbehaving::fs::directory_iterator{}));
 }
 
 /// [bytes] of all memory files of this process.
 std::int64_t shared_bytes() {
   std::int64_t sum = 0;
-  for (const auto& entry : zoo::fs::directory_iterator("/proc/self/fd")) {
+  for (const auto& entry : misbehaving::fs::directory_iterator("/proc/self/fd")) {
     struct stat status {};
     std::error_code code;
-    const std::string target = zoo::fs::read_symlink(entry.path(), code).string();
+    const std::string target = misbehaving::fs::read_symlink(entry.path(), code).string();
     if (!target.starts_with("/memfd:weft")) continue;
     if (stat(entry.path().c_str(), &status) == 0) sum += status.st_blocks * 512;
   }
@@ -148,8 +149,8 @@ std::vector<pid_t> workers() {
 }
 
 TEST_F(WorkerTest, GivesTheSameBytesTimingsAndDrawsAsInThisProcess) {
-  Instance& near = here("filters/zoo_good", kNested);
-  Instance& far = apart("filters/zoo_good", kNested);
+  Instance& near = here("filters/test_good", kNested);
+  Instance& far = apart("filters/test_good", kNested);
   for (std::uint64_t frame = 0; frame < 3; ++frame) {
     const Outcome expected = filter(near, frame);
     ASSERT_EQ(expected.status, WEFT_OK) << expected.error.message;
@@ -166,22 +167,22 @@ TEST_F(WorkerTest, GivesTheSameBytesTimingsAndDrawsAsInThisProcess) {
 
 TEST_F(WorkerTest, ListsOfWholeNumbersAndTextsReachAWorker) {
   const char* params = "{steps: [900000000000001, -9], words: [seven77, '12']}";
-  const Outcome expected = filter(here("filters/zoo_good", params));
-  const Outcome outcome = filter(apart("filters/zoo_good", params));
+  const Outcome expected = filter(here("filters/test_good", params));
+  const Outcome outcome = filter(apart("filters/test_good", params));
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
   EXPECT_EQ(content(outcome), content(expected));
   EXPECT_EQ(diag(outcome, "length_of_seven77"), 7.0);
 }
 
 TEST_F(WorkerTest, ArraysOfThirdPartiesGoThroughAWorkerAndTheWarpNestedThere) {
-  Correspondences matches = zoo::make_matches(3);
+  Correspondences matches = misbehaving::make_matches(3);
   Array<std::uint16_t> weight({3});
   for (std::int64_t i = 0; i < 3; ++i) weight(i) = static_cast<std::uint16_t>(65533 + i);
   matches.others.set("x.acme.weight", weight);
   const RecordView<Correspondences> view("correspondences", matches);
   const weft_record inputs[] = {view.raw(), templ_->view("template")};
   const std::string bytes(reinterpret_cast<const char*>(weight.data()), 6);
-  for (Instance* each : {&here("filters/zoo_good"), &apart("filters/zoo_good")}) {
+  for (Instance* each : {&here("filters/test_good"), &apart("filters/test_good")}) {
     const Outcome outcome = lane_->call(*each, 0, inputs, 0);
     ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
     EXPECT_EQ(content(outcome)["inlier_mask/x.acme.weight"], bytes);
@@ -193,7 +194,7 @@ TEST_F(WorkerTest, ArraysOfThirdPartiesGoThroughAWorkerAndTheWarpNestedThere) {
 }
 
 TEST_F(WorkerTest, WhatAWorkerComputedCountsAsProcessorTimeOfTheCall) {
-  const Outcome outcome = filter(apart("filters/zoo_busy", "{threads: 2, each_ms: 10}"));
+  const Outcome outcome = filter(apart("filters/test_busy", "{threads: 2, each_ms: 10}"));
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
   EXPECT_GE(outcome.worker_processor_ms, 20.0);
   const Timings timings = lane_->take_timings();
@@ -202,21 +203,21 @@ TEST_F(WorkerTest, WhatAWorkerComputedCountsAsProcessorTimeOfTheCall) {
 }
 
 TEST_F(WorkerTest, ParametersOfEveryTypeArrive) {
-  const zoo::TemporaryFolder folder;
-  zoo::write_file(folder / "table", "");
+  const misbehaving::TemporaryFolder folder;
+  misbehaving::write_file(folder / "table", "");
   const std::string params =
       "{length_mm: 3.5, free: -2, count: 42, flag: false, colour: blue, limits_px: [1, 2, 3], "
       "title: some words, table: " +
       (folder / "table") + ", report: " + (folder / "out") + ", apart: {a: b, c: d}}";
-  EXPECT_EQ(content(filter(apart("filters/zoo_good", params))),
-            content(filter(here("filters/zoo_good", params))));
+  EXPECT_EQ(content(filter(apart("filters/test_good", params))),
+            content(filter(here("filters/test_good", params))));
 }
 
 TEST_F(WorkerTest, TheHostDoesNotLoadTheLibrary) {
-  const Outcome outcome = filter(apart("filters/zoo_deadly"));
+  const Outcome outcome = filter(apart("filters/test_deadly"));
   EXPECT_EQ(diag(outcome, "prepared"), 1.0);
   EXPECT_NE(diag(outcome, "process"), getpid());
-  EXPECT_EQ(zoo::read_file("/proc/self/maps").find("zoo_deadly"), std::string::npos);
+  EXPECT_EQ(misbehaving::read_file("/proc/self/maps").find("test_deadly"), std::string::npos);
 }
 
 TEST_F(WorkerTest, ADeathCostsOneFrame) {
@@ -230,12 +231,12 @@ TEST_F(WorkerTest, ADeathCostsOneFrame) {
       {"scribble", "its worker sent what is no message, and was ended"}};
   for (const auto& [deed, cause] : deeds) {
     SCOPED_TRACE(deed);
-    Instance& deadly = apart("filters/zoo_deadly", "{frame: 1, deed: " + deed + "}");
+    Instance& deadly = apart("filters/test_deadly", "{frame: 1, deed: " + deed + "}");
     EXPECT_EQ(filter(deadly, 0).status, WEFT_OK);
     const Outcome outcome = filter(deadly, 1);
     EXPECT_EQ(outcome.status, WEFT_ERROR);
     EXPECT_EQ(outcome.error.code, deed == "kill" ? Errc::no_memory : Errc::plugin_failure);
-    EXPECT_EQ(outcome.error.where, "filters/zoo_deadly");
+    EXPECT_EQ(outcome.error.where, "filters/test_deadly");
     EXPECT_THAT(outcome.error.message, StartsWith(cause));
     EXPECT_EQ(diag(filter(deadly, 2), "prepared"), 1.0);
   }
@@ -248,7 +249,7 @@ TEST_F(WorkerTest, ADeathEndsTheCallAndWhatTheComponentHasStarted) {
   for (const std::string deed : {"leave", "leave_session"}) {
     SCOPED_TRACE(deed);
     Instance& deadly =
-        apart("filters/zoo_deadly", "{frame: 1, deed: " + deed + ", child: " + own_name() + "}");
+        apart("filters/test_deadly", "{frame: 1, deed: " + deed + ", child: " + own_name() + "}");
     EXPECT_EQ(filter(deadly, 0).status, WEFT_OK);
     const Outcome outcome = filter(deadly, 1);
     EXPECT_EQ(outcome.status, WEFT_ERROR);
@@ -260,7 +261,7 @@ TEST_F(WorkerTest, ADeathEndsTheCallAndWhatTheComponentHasStarted) {
 
 TEST_F(WorkerTest, ADeathInCreateEndsWhatTheComponentHasStarted) {
   const auto made = lane_->instantiate_isolated(
-      spec("filters/zoo_deadly", "{where: create, deed: leave, child: " + own_name() + "}"),
+      spec("filters/test_deadly", "{where: create, deed: leave, child: " + own_name() + "}"),
       "filters", isolation());
   ASSERT_FALSE(made);
   EXPECT_THAT(made.error().message, HasSubstr("died of signal 6"));
@@ -269,7 +270,7 @@ TEST_F(WorkerTest, ADeathInCreateEndsWhatTheComponentHasStarted) {
 
 TEST_F(WorkerTest, ACopyThatAComponentMakesAnswersNoCall) {
   Instance& deadly =
-      apart("filters/zoo_deadly", "{frame: 1, deed: fork_twice, child: " + own_name() + "}");
+      apart("filters/test_deadly", "{frame: 1, deed: fork_twice, child: " + own_name() + "}");
   for (std::uint64_t frame = 0; frame < 20; ++frame) {
     const auto count = static_cast<std::int64_t>(frame) + 1;  // tells the answers apart
     const Outcome outcome = filter(deadly, frame, count);
@@ -281,7 +282,7 @@ TEST_F(WorkerTest, ACopyThatAComponentMakesAnswersNoCall) {
 
 TEST_F(WorkerTest, AComponentThatStartsProcessesWithoutEndIsEndedWithThem) {
   Instance& deadly =
-      apart("filters/zoo_deadly", "{frame: 1, deed: multiply, child: " + own_name() + "}");
+      apart("filters/test_deadly", "{frame: 1, deed: multiply, child: " + own_name() + "}");
   const Outcome outcome = filter(deadly, 1);
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_THAT(outcome.error.message,
@@ -290,7 +291,7 @@ TEST_F(WorkerTest, AComponentThatStartsProcessesWithoutEndIsEndedWithThem) {
 }
 
 TEST_F(WorkerTest, AFloodOfOutputIsNotKeptAndItsAuthorIsNamed) {
-  Instance& deadly = apart("filters/zoo_deadly", "{frame: 1, deed: print}");
+  Instance& deadly = apart("filters/test_deadly", "{frame: 1, deed: print}");
   EXPECT_EQ(filter(deadly, 1).status, WEFT_OK);
   EXPECT_TRUE(comes_true([] { return shared_bytes() < std::int64_t{8} << 20; })) << "of 64 MiB";
   EXPECT_EQ(filter(deadly, 2).status, WEFT_OK);
@@ -301,14 +302,14 @@ TEST_F(WorkerTest, AFloodOfOutputIsNotKeptAndItsAuthorIsNamed) {
 TEST_F(WorkerTest, ArraysThatAreTooLargeOrTooManyAreRefusedByName) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"huge_array",
-       "its array 'x.zoo.huge' of inlier_mask/1 (3221225472 bytes): the arrays of a "
+       "its array 'x.test.huge' of inlier_mask/1 (3221225472 bytes): the arrays of a "
        "record may have "},
-      {"many_arrays", "its array 'x.zoo.a1000' of inlier_mask/1: a record may have 1000 arrays"}};
+      {"many_arrays", "its array 'x.test.a1000' of inlier_mask/1: a record may have 1000 arrays"}};
   for (const auto& [mistake, refusal] : cases) {
     for (const bool is_apart : {false, true}) {
       logged_.clear();
       const std::string params = "{mistake: " + mistake + "}";
-      filter(is_apart ? apart("filters/zoo_raw", params) : here("filters/zoo_raw", params));
+      filter(is_apart ? apart("filters/test_raw", params) : here("filters/test_raw", params));
       ASSERT_EQ(logged_.size(), 1U) << mistake << is_apart;
       EXPECT_THAT(logged_[0], HasSubstr("the host refused " + refusal));
     }
@@ -316,7 +317,7 @@ TEST_F(WorkerTest, ArraysThatAreTooLargeOrTooManyAreRefusedByName) {
 }
 
 TEST_F(WorkerTest, HangingPastTheDeadlineCostsOneFrame) {
-  Instance& deadly = apart("filters/zoo_deadly", "{frame: 1, deed: hang}", 1000);
+  Instance& deadly = apart("filters/test_deadly", "{frame: 1, deed: hang}", 1000);
   EXPECT_EQ(filter(deadly, 0).status, WEFT_OK);
   const Outcome outcome = filter(deadly, 1);
   EXPECT_EQ(outcome.status, WEFT_ERROR);
@@ -325,7 +326,7 @@ TEST_F(WorkerTest, HangingPastTheDeadlineCostsOneFrame) {
 }
 
 TEST_F(WorkerTest, AfterADeathAnotherWorkerIsMadeBeforeItIsCalled) {
-  Instance& deadly = apart("filters/zoo_deadly", "{frame: 1, deed: exit}");
+  Instance& deadly = apart("filters/test_deadly", "{frame: 1, deed: exit}");
   const auto first = static_cast<pid_t>(diag(filter(deadly, 0), "process"));
   EXPECT_EQ(filter(deadly, 1).status, WEFT_ERROR);
   ASSERT_TRUE(comes_true([] { return !workers().empty(); }));
@@ -342,7 +343,7 @@ TEST_F(WorkerTest, WhereAStartTakesLongASpareStandsReadyIfOneIsWanted) {
     Isolation how = isolation();
     how.keeps_spare = keeps_spare;
     Instance& deadly = prepared(lane_->instantiate_isolated(
-        spec("filters/zoo_deadly", "{frame: 1, deed: exit, prepare_ms: 50}"), "filters", how));
+        spec("filters/test_deadly", "{frame: 1, deed: exit, prepare_ms: 50}"), "filters", how));
     EXPECT_EQ(workers().size(), 1U) << "not before it has answered";
     const auto first = static_cast<pid_t>(diag(filter(deadly, 0), "process"));
     if (keeps_spare) {
@@ -366,7 +367,7 @@ TEST_F(WorkerTest, ASpareThatDiedIsNotUsed) {
   Isolation how = isolation();
   how.keeps_spare = true;
   Instance& deadly = prepared(lane_->instantiate_isolated(
-      spec("filters/zoo_deadly", "{frame: 1, deed: exit, prepare_ms: 50}"), "filters", how));
+      spec("filters/test_deadly", "{frame: 1, deed: exit, prepare_ms: 50}"), "filters", how));
   const auto first = static_cast<pid_t>(diag(filter(deadly, 0), "process"));
   ASSERT_TRUE(comes_true([] { return workers().size() == 2; }));
   for (const pid_t child : workers()) {
@@ -378,29 +379,29 @@ TEST_F(WorkerTest, ASpareThatDiedIsNotUsed) {
 
 TEST_F(WorkerTest, ADeathInCreateOrPrepareIsAnErrorBeforeTheFirstFrame) {
   const auto created = lane_->instantiate_isolated(
-      spec("filters/zoo_deadly", "{where: create, deed: crash}"), "filters", isolation());
+      spec("filters/test_deadly", "{where: create, deed: crash}"), "filters", isolation());
   ASSERT_FALSE(created);
-  EXPECT_EQ(created.error().where, "filters/zoo_deadly");
+  EXPECT_EQ(created.error().where, "filters/test_deadly");
   EXPECT_THAT(created.error().message, HasSubstr("died of signal 11"));
   const auto unprepared = lane_->instantiate_isolated(
-      spec("filters/zoo_deadly", "{where: prepare, deed: exit}"), "filters", isolation());
+      spec("filters/test_deadly", "{where: prepare, deed: exit}"), "filters", isolation());
   ASSERT_TRUE(unprepared) << unprepared.error().message;
   const auto ready = lane_->prepare(**unprepared, *templ_, *camera_);
   ASSERT_FALSE(ready);
-  EXPECT_EQ(ready.error().where, "filters/zoo_deadly");
+  EXPECT_EQ(ready.error().where, "filters/test_deadly");
   EXPECT_THAT(ready.error().message, HasSubstr("exited with status 7"));
 }
 
 TEST_F(WorkerTest, AFailureInCreateOrPrepareIsThatOfTheComponent) {
-  const auto created = lane_->instantiate_isolated(spec("filters/zoo_throws", "{in: constructor}"),
+  const auto created = lane_->instantiate_isolated(spec("filters/test_throws", "{in: constructor}"),
                                                    "filters", isolation());
   ASSERT_FALSE(created);
-  EXPECT_EQ(created.error().where, "filters/zoo_throws");
+  EXPECT_EQ(created.error().where, "filters/test_throws");
   EXPECT_THAT(created.error().message, HasSubstr("the sky fell down"));
 }
 
 TEST_F(WorkerTest, ArraysLargerThanAnyBeforePassBothWays) {
-  Instance& deadly = apart("filters/zoo_deadly", "{frame: 1, deed: large}");
+  Instance& deadly = apart("filters/test_deadly", "{frame: 1, deed: large}");
   EXPECT_EQ(filter(deadly, 0).status, WEFT_OK);
   const Outcome outcome = filter(deadly, 1, 200'000);
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
@@ -411,7 +412,7 @@ TEST_F(WorkerTest, ArraysLargerThanAnyBeforePassBothWays) {
 
 TEST_F(WorkerTest, InputsThatDoNotFitAreAnErrorOfThatCall) {
   lane_ = std::make_unique<Lane>(7, Lane::Log{}, *SharedArena::create(1U << 20U));
-  Instance& far = apart("filters/zoo_deadly");
+  Instance& far = apart("filters/test_deadly");
   const Outcome outcome = filter(far, 0, 100'000);
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_THAT(outcome.error.message, HasSubstr("no room for the input array"));
@@ -419,7 +420,7 @@ TEST_F(WorkerTest, InputsThatDoNotFitAreAnErrorOfThatCall) {
 }
 
 TEST_F(WorkerTest, ManyFramesTakeNeitherMemoryNorFiles) {
-  Instance& far = apart("filters/zoo_good", kNested);
+  Instance& far = apart("filters/test_good", kNested);
   const auto burst = [&](int calls) {
     for (int i = 0; i < calls; ++i) {
       const Outcome outcome = filter(far, static_cast<std::uint64_t>(i), 2000);
@@ -438,9 +439,9 @@ TEST_F(WorkerTest, ManyFramesTakeNeitherMemoryNorFiles) {
 TEST_F(WorkerTest, ManyDeathsLeaveNoFilesAndNoZombies) {
   const auto lane_with_deaths = [&](int deaths) {
     lane_ = std::make_unique<Lane>(7, Lane::Log{}, *SharedArena::create());
-    Instance& deadly = apart("filters/zoo_deadly", "{deed: exit}");
+    Instance& deadly = apart("filters/test_deadly", "{deed: exit}");
     for (int i = 0; i < deaths; ++i) EXPECT_EQ(filter(deadly).status, WEFT_ERROR);
-    apart("filters/zoo_good");
+    apart("filters/test_good");
     lane_.reset();  // the worker that stands ready after the last death, too
     return open_files();
   };
@@ -451,14 +452,14 @@ TEST_F(WorkerTest, ManyDeathsLeaveNoFilesAndNoZombies) {
 }
 
 TEST_F(WorkerTest, OutputsOutliveTheirWorkerAndTheLane) {
-  Outcome outcome = filter(apart("filters/zoo_good", kNested));
+  Outcome outcome = filter(apart("filters/test_good", kNested));
   const auto before = content(outcome);
   lane_.reset();
   EXPECT_EQ(content(outcome), before);
 }
 
 TEST_F(WorkerTest, CancellingReachesTheComponent) {
-  Instance& obedient = apart("filters/zoo_deadly", "{frame: 1, deed: obey}");
+  Instance& obedient = apart("filters/test_deadly", "{frame: 1, deed: obey}");
   EXPECT_EQ(filter(obedient, 0).status, WEFT_OK);
   std::atomic<bool> cancel{false};
   lane_->watch([&] { return cancel.load(); });
@@ -475,7 +476,7 @@ TEST_F(WorkerTest, CancellingReachesTheComponent) {
 }
 
 TEST_F(WorkerTest, AWorkerThatDoesNotStopWhenCancelledIsEnded) {
-  Instance& deaf = apart("filters/zoo_deadly", "{deed: hang}");
+  Instance& deaf = apart("filters/test_deadly", "{deed: hang}");
   lane_->cancel() = true;
   const Outcome outcome = filter(deaf);
   EXPECT_EQ(outcome.status, WEFT_CANCELLED);
@@ -483,27 +484,27 @@ TEST_F(WorkerTest, AWorkerThatDoesNotStopWhenCancelledIsEnded) {
 }
 
 TEST_F(WorkerTest, MessagesReachTheLog) {
-  filter(apart("filters/zoo_deadly", "{deed: log}"));
+  filter(apart("filters/test_deadly", "{deed: log}"));
   EXPECT_THAT(logged_, ElementsAre("filters 2 so far so good"));
 }
 
 TEST_F(WorkerTest, FlaggedAndAbsentResultsKeepTheirReasons) {
-  const zoo::TemporaryFolder folder;
-  zoo::write_file(folder / "model", "");
+  const misbehaving::TemporaryFolder folder;
+  misbehaving::write_file(folder / "model", "");
   const Outcome flagged = filter(
-      apart("filters/zoo_strict", "{ratio: 0.25, rounds: 9, model: " + (folder / "model") + "}"));
+      apart("filters/test_strict", "{ratio: 0.25, rounds: 9, model: " + (folder / "model") + "}"));
   EXPECT_EQ(flagged.status, WEFT_DEGENERATE);
   EXPECT_EQ(flagged.error.message, "keeps nothing");
   EXPECT_EQ(diag(flagged, "rounds"), 9.0);
   const Outcome absent = filter(
-      apart("filters/zoo_good", "{warp: {use: warps/zoo_shift, params: {always_fails: true}}}"));
+      apart("filters/test_good", "{warp: {use: warps/test_shift, params: {always_fails: true}}}"));
   EXPECT_EQ(absent.status, WEFT_NO_RESULT);
   EXPECT_EQ(absent.error.message, "told to fail");
-  EXPECT_EQ(absent.error.where, "warps/zoo_shift");
+  EXPECT_EQ(absent.error.where, "warps/test_shift");
 }
 
 TEST_F(WorkerTest, IllegalOutputsAreCaught) {
-  const Outcome outcome = filter(apart("filters/zoo_wrong_output", "{mistake: nan}"));
+  const Outcome outcome = filter(apart("filters/test_wrong_output", "{mistake: nan}"));
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_THAT(outcome.error.message, HasSubstr("'score' holds NaN or infinity"));
 }
@@ -511,7 +512,7 @@ TEST_F(WorkerTest, IllegalOutputsAreCaught) {
 TEST_F(WorkerTest, AWarpIsEvaluatedByItsProducerWhereverThatLives) {
   Points points;
   points.xy_px = Array<double>({1, 2}, 0.0);
-  Instance& far = apart("warps/zoo_shift", "{shift_px: 3}", 0, "warps");
+  Instance& far = apart("warps/test_shift", "{shift_px: 3}", 0, "warps");
   const Outcome fitted = fit(far);
   ASSERT_EQ(fitted.status, WEFT_OK) << fitted.error.message;
   const Outcome samples = lane_->evaluate(*fitted.find("warp"), points, 0);
@@ -520,9 +521,9 @@ TEST_F(WorkerTest, AWarpIsEvaluatedByItsProducerWhereverThatLives) {
 }
 
 TEST_F(WorkerTest, AStageReadsWarpsThatWereMadeElsewhere) {
-  Instance& near = here("warps/zoo_shift", "{shift_px: 1}", "warps");
-  Instance& far = apart("warps/zoo_shift", "{shift_px: 100}", 0, "warps#2");
-  Instance& reader = apart("passes/zoo_reader", "{}", 0, "passes");
+  Instance& near = here("warps/test_shift", "{shift_px: 1}", "warps");
+  Instance& far = apart("warps/test_shift", "{shift_px: 100}", 0, "warps#2");
+  Instance& reader = apart("passes/test_reader", "{}", 0, "passes");
   for (const auto& [maker, shift] : {std::pair{&near, 1.0}, {&far, 100.0}, {&near, 1.0}}) {
     const Outcome fitted = fit(*maker);
     ASSERT_EQ(fitted.status, WEFT_OK) << fitted.error.message;
@@ -540,12 +541,12 @@ TEST_F(WorkerTest, AStageReadsWarpsThatWereMadeElsewhere) {
 
 TEST_F(WorkerTest, AProgramThatIsNoWorkerIsNamed) {
   const auto missing = lane_->instantiate_isolated(
-      spec("filters/zoo_good"), "filters", {"/no/such/worker", std::chrono::milliseconds(0)});
+      spec("filters/test_good"), "filters", {"/no/such/worker", std::chrono::milliseconds(0)});
   ASSERT_FALSE(missing);
   EXPECT_THAT(missing.error().message,
               ::testing::AllOf(HasSubstr("/no/such/worker cannot be started: No such file"),
                                HasSubstr("install weft-worker beside the program")));
-  const auto other = lane_->instantiate_isolated(spec("filters/zoo_good"), "filters",
+  const auto other = lane_->instantiate_isolated(spec("filters/test_good"), "filters",
                                                  {"/bin/true", std::chrono::milliseconds(0)});
   ASSERT_FALSE(other);
   EXPECT_THAT(other.error().message, HasSubstr("exited with status 0"));
@@ -553,14 +554,14 @@ TEST_F(WorkerTest, AProgramThatIsNoWorkerIsNamed) {
 
 TEST_F(WorkerTest, ALaneWithoutSharedMemoryHasNoWorkers) {
   lane_ = std::make_unique<Lane>(7, Lane::Log{});
-  const auto made = lane_->instantiate_isolated(spec("filters/zoo_good"), "filters", isolation());
+  const auto made = lane_->instantiate_isolated(spec("filters/test_good"), "filters", isolation());
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, Errc::unsupported);
 }
 
 TEST_F(WorkerTest, DamagedAnswersAreErrorsOfTheComponent) {
   Instance& liar = prepared(lane_->instantiate_isolated(
-      spec("filters/zoo_good"), "filters", {WEFT_LIAR, std::chrono::milliseconds(5000)}));
+      spec("filters/test_good"), "filters", {WEFT_LIAR, std::chrono::milliseconds(5000)}));
   int honest = 0, refused = 0;
   for (std::uint64_t frame = 0; frame < 200; ++frame) {
     const Outcome outcome = filter(liar, frame);

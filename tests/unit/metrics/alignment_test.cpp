@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "metrics/shapes/alignment.hpp"
+#include "lab/metrics/shapes/alignment.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <iostream>
 #include <weft/core/rng.hpp>
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 Points3 random_points(Rng& rng, int count) {
@@ -67,4 +67,4 @@ TEST(Alignment, NamesAreReadAsTheyAreWritten) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "metrics/certainty_metrics.hpp"
+#include "lab/metrics/certainty_metrics.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <weft/testing/synthetic.hpp>
 #include <weft/truth/truth_map.hpp>
 
-#include "results/results.hpp"
+#include "lab/results/results.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 FrameCertainty said(double confidence, bool right, bool silently_wrong = false) {
@@ -145,4 +145,4 @@ TEST(CertaintyMetrics, AddUpAsIfTheFramesWereOfOneRun) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

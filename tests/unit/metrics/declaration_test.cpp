@@ -6,12 +6,12 @@
 #include <set>
 #include <sstream>
 
-#include "metrics/forms/catalogue.hpp"
-#include "metrics/forms/json.hpp"
-#include "metrics/forms/metric_path.hpp"
-#include "metrics/forms/metrics_report.hpp"
+#include "lab/metrics/forms/catalogue.hpp"
+#include "lab/metrics/forms/json.hpp"
+#include "lab/metrics/forms/metric_path.hpp"
+#include "lab/metrics/forms/metrics_report.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using nlohmann::json;
@@ -204,4 +204,4 @@ TEST(DeclaredMetrics, OfFramesAreTheColumnsOfTheCsvFile) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

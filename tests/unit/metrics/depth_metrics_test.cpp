@@ -5,12 +5,12 @@
 #include <cmath>
 #include <weft/data/matrix.hpp>
 
-#include "metrics/forms/metrics_report.hpp"
-#include "metrics/metrics.hpp"
+#include "lab/metrics/forms/metrics_report.hpp"
+#include "lab/metrics/metrics.hpp"
 #include "pipeline/execution/match_depths.hpp"
 #include "test_run.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::HasSubstr;
@@ -160,4 +160,4 @@ INSTANTIATE_TEST_SUITE_P(Cameras, DepthsAt,
                          ::testing::Values(std::pair(640, 480), std::pair(1280, 720)));
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -5,11 +5,11 @@
 #include <limits>
 #include <weft/data/matrix.hpp>
 
-#include "metrics/forms/metrics_report.hpp"
-#include "metrics/metrics.hpp"
+#include "lab/metrics/forms/metrics_report.hpp"
+#include "lab/metrics/metrics.hpp"
 #include "test_run.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::HasSubstr;
@@ -267,4 +267,4 @@ TEST_F(ImageMetricsTest, CsvHasARowForEachFrameAndQuotesText) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "metrics/match_metrics.hpp"
+#include "lab/metrics/match_metrics.hpp"
 
 #include <gmock/gmock.h>
 
@@ -9,7 +9,7 @@
 #include <weft/core/rng.hpp>
 #include <weft/data/matrix.hpp>
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::ElementsAre;
@@ -120,4 +120,4 @@ TEST(FilterRates, AreUnknownWithoutLabels) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

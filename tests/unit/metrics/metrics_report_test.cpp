@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "metrics/forms/metrics_report.hpp"
+#include "lab/metrics/forms/metrics_report.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 #include "test_run.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using nlohmann::json;
@@ -175,4 +175,4 @@ TEST(MetricsReport, ADeviceIsWrittenToAndNotReplaced) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

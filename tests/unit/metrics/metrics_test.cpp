@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "metrics/metrics.hpp"
+#include "lab/metrics/metrics.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 #include "test_run.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 constexpr double kExact = 1e-9;
@@ -303,4 +303,4 @@ TEST(Metrics, AFrameThatCannotBeAlignedIsReportedAsUnmeasured) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "metrics/part_metrics.hpp"
+#include "lab/metrics/part_metrics.hpp"
 
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
 #include <weft/data/matrix.hpp>
 
-#include "metrics/forms/json.hpp"
-#include "metrics/forms/metric_path.hpp"
-#include "metrics/forms/metrics_report.hpp"
-#include "metrics/metrics.hpp"
+#include "lab/metrics/forms/json.hpp"
+#include "lab/metrics/forms/metric_path.hpp"
+#include "lab/metrics/forms/metrics_report.hpp"
+#include "lab/metrics/metrics.hpp"
 #include "test_run.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::AllOf;
@@ -139,4 +139,4 @@ TEST(PartMetrics, LeaveAFrameOfCloudsWithoutA3dErrorAndSayWhy) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "metrics/registration_metrics.hpp"
+#include "lab/metrics/registration_metrics.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <vector>
 
-#include "metrics/forms/metrics_report.hpp"
-#include "metrics/runs/run_reader.hpp"
+#include "lab/metrics/forms/metrics_report.hpp"
+#include "lab/metrics/runs/run_reader.hpp"
 #include "test_run.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::HasSubstr;
@@ -151,4 +151,4 @@ TEST(RegistrationMetrics, OfAMeasurementReplaceThoseOfTheRunInSolvedFramesOnly) 
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "metrics/runs/run_reader.hpp"
+#include "lab/metrics/runs/run_reader.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <weft/data/matrix.hpp>
 
-#include "metrics/forms/metrics_report.hpp"
-#include "metrics/metrics.hpp"
-#include "metrics/shapes/shape_meter.hpp"
+#include "lab/metrics/forms/metrics_report.hpp"
+#include "lab/metrics/metrics.hpp"
+#include "lab/metrics/shapes/shape_meter.hpp"
 #include "test_run.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::ElementsAre;
@@ -313,4 +313,4 @@ TEST(RunReader, AFlippedByteNeverGivesAnotherNumber) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

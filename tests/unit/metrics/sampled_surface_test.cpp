@@ -7,9 +7,9 @@
 #include <weft/core/rng.hpp>
 #include <weft/data/matrix.hpp>
 
-#include "metrics/surface_metrics.hpp"
+#include "lab/metrics/surface_metrics.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 /// Two triangles that span [0, 0.3] x [0, 0.2] at depth `z_m`, in metres.
@@ -158,4 +158,4 @@ TEST(TrueSurfaces, AreOfPointsAndCloudTogetherAndOfEachPartByItself) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "metrics/surface_metrics.hpp"
+#include "lab/metrics/surface_metrics.hpp"
 
 #include <gmock/gmock.h>
 
@@ -10,11 +10,11 @@
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/rectangular_grid.hpp>
 
-#include "metrics/forms/metrics_report.hpp"
-#include "metrics/metrics.hpp"
+#include "lab/metrics/forms/metrics_report.hpp"
+#include "lab/metrics/metrics.hpp"
 #include "test_run.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::HasSubstr;
@@ -155,4 +155,4 @@ TEST(SurfaceMetrics, AreInTheEvaluationOfARunWithATrueSurface) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

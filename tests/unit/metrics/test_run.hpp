@@ -19,10 +19,10 @@
 #include <weft/testing/synthetic.hpp>
 
 #include "host/records/npz.hpp"
-#include "metrics/metrics.hpp"
-#include "metrics/runs/run_registrations.hpp"
+#include "lab/metrics/metrics.hpp"
+#include "lab/metrics/runs/run_registrations.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 
 /// A run folder in a temporary place, written frame by frame with errors that are known: a sheet
 /// of 4 x 3 vertices, 0.3 m x 0.2 m, texels of 5 mm x 4 mm, flat and tilted before the camera.
@@ -160,4 +160,4 @@ inline RunMetrics evaluated(const TestRun& run, Alignment alignment = Alignment:
   return *metrics;
 }
 
-}  // namespace weft::evaluation
+}  // namespace weft::lab

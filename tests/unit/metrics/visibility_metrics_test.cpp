@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "metrics/visibility_metrics.hpp"
+#include "lab/metrics/visibility_metrics.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include <weft/data/matrix.hpp>
 #include <weft/truth/truth_map.hpp>
 
-#include "metrics/forms/metrics_report.hpp"
-#include "metrics/shapes/shape_meter.hpp"
+#include "lab/metrics/forms/metrics_report.hpp"
+#include "lab/metrics/shapes/shape_meter.hpp"
 #include "test_run.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 constexpr int kColumns = 4, kVertices = 12;
@@ -123,4 +123,4 @@ TEST(VisibilityMetrics, NeedAnEntryForEachVertex) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

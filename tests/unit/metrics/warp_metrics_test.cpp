@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "metrics/warp_metrics.hpp"
+#include "lab/metrics/warp_metrics.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <weft/testing/synthetic.hpp>
 #include <weft/truth/truth_map.hpp>
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 /// A flat sheet before the camera, its truth, and a warp that is wrong by 3 px to the right at the
@@ -80,4 +80,4 @@ TEST(WarpErrors, AverageOverFramesInWhichTheyAreDefined) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "results/cell_line.hpp"
+#include "lab/results/cell_line.hpp"
 
 #include <gtest/gtest.h>
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 nlohmann::ordered_json cell(const std::string& reason) {
@@ -49,4 +49,4 @@ TEST(CellLine, IsCheckedAsAWholeWithoutItsMetricsToo) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

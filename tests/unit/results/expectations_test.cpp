@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "results/expectations.hpp"
+#include "lab/results/expectations.hpp"
 
 #include <gtest/gtest.h>
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 constexpr const char* kMetric = "all.error_solved.mean_mm";
@@ -65,4 +65,4 @@ TEST(Expectations, TellWhichCellsTheySelect) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

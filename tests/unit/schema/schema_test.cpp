@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "schema/schema.hpp"
+#include "lab/schema/schema.hpp"
 
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "ablation/plan/plan_keys.hpp"
+#include "lab/ablation/plan/plan_keys.hpp"
+#include "lab/schema/parameters.hpp"
 #include "pipeline/configuration/pipeline_keys.hpp"
-#include "schema/parameters.hpp"
 
 namespace weft::schema {
 namespace {
@@ -56,7 +56,7 @@ ordered_json schema_of(const host::ParameterSpec& spec) {
 
 TEST(Schema, HasTheKeysOfTheReadersInTheirOrder) {
   EXPECT_EQ(keys_of(of_pipelines()["properties"]), yaml::names_of(pipeline_keys()));
-  EXPECT_EQ(keys_of(of_plans()["properties"]), yaml::names_of(evaluation::plan_keys()));
+  EXPECT_EQ(keys_of(of_plans()["properties"]), yaml::names_of(lab::plan_keys()));
   for (const auto& [definition, part] :
        {std::pair{"source", PipelinePart::source}, std::pair{"template", PipelinePart::templ},
         std::pair{"stage", PipelinePart::stage}, std::pair{"sink", PipelinePart::sink}}) {

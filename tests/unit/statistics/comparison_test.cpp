@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "statistics/comparison.hpp"
+#include "lab/statistics/comparison.hpp"
 
 #include <gmock/gmock.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 #include <weft/core/rng.hpp>
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using ::testing::ElementsAre;
@@ -402,4 +402,4 @@ TEST(Compare, HasNothingToSayOfOneTreatment) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

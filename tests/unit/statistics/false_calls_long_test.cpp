@@ -7,11 +7,11 @@
 #include <vector>
 #include <weft/core/rng.hpp>
 
-#include "statistics/bootstrap.hpp"
-#include "statistics/comparison.hpp"
+#include "lab/statistics/bootstrap.hpp"
+#include "lab/statistics/comparison.hpp"
 
 /// How often a difference is called where there is none.
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 constexpr int kComparisons = 2000;
@@ -136,4 +136,4 @@ TEST(Intervals, OfDifferencesHoldTheTruthAsOftenAsTheySayAndOfMeansNearlySo) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "statistics/roc.hpp"
+#include "lab/statistics/roc.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <vector>
 #include <weft/core/rng.hpp>
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using Points = std::vector<RocPoint>;
@@ -83,4 +83,4 @@ TEST(Roc, AveragesAtAThresholdOverTheFramesThatHaveARate) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -8,11 +8,11 @@
 #include <weft/core/rng.hpp>
 #include <weft/core/statistics.hpp>
 
-#include "statistics/bootstrap.hpp"
-#include "statistics/friedman.hpp"
-#include "statistics/paired_test.hpp"
+#include "lab/statistics/bootstrap.hpp"
+#include "lab/statistics/friedman.hpp"
+#include "lab/statistics/paired_test.hpp"
 
-namespace weft::evaluation {
+namespace weft::lab {
 namespace {
 
 using Values = std::vector<double>;
@@ -292,4 +292,4 @@ TEST(Holm, StepsDownAndLeavesOutWhatIsUnknown) {
 }
 
 }  // namespace
-}  // namespace weft::evaluation
+}  // namespace weft::lab

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+#include <weft/core/text_file.hpp>
+
+#include "cli/commands.hpp"
+#include "cli/output/new_file.hpp"
+#include "cli/output/program_root.hpp"
+#include "cli/standard_components.hpp"
+#include "lab/report/paper/paper.hpp"
+#include "lab/report/report.hpp"
+#include "lab/report/runs/run_report.hpp"
+
+namespace weft::cli {
+namespace {
+
+/// Of a run or an ablation, whichever wrote the folder.
+Result<lab::ReportFiles> write_report_of(const std::string& folder,
+                                         const lab::ReportOptions& options) {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  if (auto found =
+          check_input(folder, InputKind::folder, "give one that `weft run` or `weft ablate` wrote");
+      !found) {
+    return found.error();
+  }
+  if (lab::is_run_folder(folder)) return lab::write_run_report(folder, options);
+  if (!fs::exists(folder + "/plan.json", code) && !fs::exists(folder + "/results", code)) {
+    return Error{
+        Errc::not_found,
+        "is neither the folder of a run (it has no frames.jsonl) nor of an ablation (it has "
+        "no plan.json); give one that `weft run` or `weft ablate` wrote",
+        folder};
+  }
+  return lab::write_report(folder, options);
+}
+
+void print_paper(const std::string& folder, Context& context) {
+  const auto paper =
+      lab::is_run_folder(folder)
+          ? Result<lab::PaperFiles>(
+                Error{Errc::invalid_value,
+                      "--paper is for the folder of an ablation; this one is of a run", folder})
+          : lab::write_paper(folder);
+  if (!paper) {
+    print_error(paper.error());
+    context.exit_code = kInputOutput;
+    return;
+  }
+  for (const std::string& file : paper->files) fmt::print("{}\n", file);
+  if (paper->figures && !paper->pdf) {
+    fmt::print("(no PDF: figures are also written as PDF where librsvg2-bin is installed)\n");
+  }
+}
+
+bool is_same(const std::string& a, const std::string& b) {
+  std::error_code code;
+  return std::filesystem::equivalent(a, b, code);
+}
+
+}  // namespace
+
+void add_report_command(CLI::App& app, Context& context) {
+  struct Options {
+    std::string folder;
+    std::string page;
+    bool overwrite = false, paper = false;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "report", "Write one page with the tables, figures and shapes of a run or an ablation");
+  command->add_option("DIR", options->folder, "Folder that `weft run` or `weft ablate` wrote")
+      ->required();
+  command->add_option("--out", options->page, "The page (default: DIR/report.html)");
+  add_overwrite(*command, options->overwrite);
+  command->add_flag("--paper", options->paper,
+                    "Write tables for LaTeX and figures as SVG (and PDF) instead, to DIR/paper");
+  command->callback([&context, options] {
+    if (options->paper) return print_paper(options->folder, context);
+    const std::string own = options->folder + "/report.html";
+    if (!options->page.empty() && !is_same(options->page, own)) {
+      if (auto fresh = check_new_file(options->page, options->overwrite); !fresh) {
+        print_error(fresh.error());
+        context.exit_code = kInputOutput;
+        return;
+      }
+    }
+    const auto files = write_report_of(
+        options->folder,
+        {options->page, (program_root() / "share/weft/report").string(), unwarping_sink()});
+    if (!files) {
+      print_error(files.error());
+      context.exit_code =
+          files.error().code == Errc::incompatible ? kBadConfiguration : kInputOutput;
+      return;
+    }
+    fmt::print("{}{}\n", files->page,
+               files->figures ? "" : "  (tables only: the figures need npm, see the page)");
+    for (const std::string& file : files->tables) fmt::print("{}\n", file);
+  });
+}
+
+}  // namespace weft::cli

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "cli/commands.hpp"
+#include "cli/output/report_text.hpp"
+#include "cli/run/interruption.hpp"
+#include "cli/run/run_settings.hpp"
+#include "cli/standard_components.hpp"
+#include "lab/ablation/plan/grid.hpp"
+#include "pipeline/runs/run.hpp"
+
+namespace weft::cli {
+namespace {
+
+struct CheckOptions {
+  std::vector<std::string> files, settings, without;
+};
+
+/// What there is to say of a sound file; the report has the mistakes of another.
+std::pair<std::string, ConfigReport> check_file(const std::string& file,
+                                                const CheckOptions& options,
+                                                const host::Registry& registry) {
+  if (lab::is_plan(file)) {
+    now_running("the checks of " + file);
+    auto [grid, report] =
+        lab::load_grid(file, registry, options.settings, standard_helpers(), options.without);
+    return {fmt::format("a plan of {} cells", grid.cells().size()), std::move(report)};
+  }
+  const std::string folder = std::filesystem::absolute(free_folder(file)).string();
+  host::ComponentChecks checks = checks_of(file);
+  auto [pipeline, report] = check_pipeline(file, registry, folder, options.settings, {}, &checks);
+  return {fmt::format("{} stages, {} sinks", pipeline.config.stages.size(),
+                      pipeline.config.sinks.size()),
+          std::move(report)};
+}
+
+void check(const CheckOptions& options, Context& context) {
+  const host::Registry registry = context.registry();
+  for (const std::string& file : options.files) {
+    if (!options.without.empty() && !lab::is_plan(file)) {
+      print_error({Errc::invalid_value,
+                   "--without is for plans; in a pipeline 'without' stands in a file", file});
+      context.exit_code = kBadConfiguration;
+      continue;
+    }
+    const auto [content, report] = check_file(file, options, registry);
+    fmt::print(stderr, "{}", report.warning_text());
+    if (report.ok()) {
+      fmt::print("{}: ok, {}\n", file, content);
+      continue;
+    }
+    print_report(report);
+    context.exit_code = kBadConfiguration;
+  }
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<CheckOptions>();
+  CLI::App* command = app.add_subcommand(
+      "check", "Check pipelines and ablation plans without running them; lists all mistakes");
+  command->add_option("FILE", options->files, "Pipelines and plans (YAML)")
+      ->type_name("")
+      ->required();
+  add_settings(*command, options->settings);
+  add_without(*command, options->without);
+  command->footer(
+      "Exit codes:\n"
+      "  0  the pipelines, and every cell of the plans, can be run\n"
+      "  2  the command line or a file is wrong");
+  command->callback([&context, options] { check(*options, context); });
+}
+
+}  // namespace weft::cli

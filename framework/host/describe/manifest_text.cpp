@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "host/describe/manifest_text.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <weft/sdk/extensions.hpp>
+
+#include "host/describe/declaration_check.hpp"
+
+namespace weft::host {
+
+std::string double_quoted(std::string_view text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    if (static_cast<unsigned char>(c) >= 0x20 && c != 0x7F) {
+      result += c;
+    } else {
+      constexpr char kDigits[] = "0123456789abcdef";
+      result += std::string("\\x") + kDigits[c / 16] + kDigits[c % 16];
+    }
+  }
+  return result + '"';
+}
+
+std::string number(double value) {
+  if (std::isinf(value)) return value > 0 ? ".inf" : "-.inf";
+  std::array<char, 40> buffer;
+  const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return {buffer.data(), end};
+}
+
+std::string words(std::string_view text) {
+  std::string list = "[";
+  std::istringstream stream{std::string(text)};
+  for (std::string word; stream >> word;)
+    list += (list.size() > 1 ? ", " : "") + double_quoted(word);
+  return list + "]";
+}
+
+namespace {
+
+std::string element(const weft_value& value, std::uint64_t index) {
+  switch (value.type) {
+    case WEFT_VALUE_F64:
+      return number(static_cast<const double*>(value.data)[index]);
+    case WEFT_VALUE_I64:
+      return std::to_string(static_cast<const std::int64_t*>(value.data)[index]);
+    case WEFT_VALUE_BOOL:
+      return static_cast<const std::uint8_t*>(value.data)[index] != 0 ? "true" : "false";
+    default:
+      return double_quoted(static_cast<const char* const*>(value.data)[index]);
+  }
+}
+
+std::string default_of(const weft_value& value) {
+  if (value.type == WEFT_VALUE_LABELS) return "{}";
+  if (value.is_vector == 0) return element(value, 0);
+  std::string list = "[";
+  for (std::uint64_t i = 0; i < value.count; ++i) {
+    list += (i > 0 ? ", " : "") + element(value, i);
+  }
+  return list + "]";
+}
+
+bool is_bounded(const weft_parameter& parameter) {
+  const bool is_number = parameter.default_value.type == WEFT_VALUE_F64 ||
+                         parameter.default_value.type == WEFT_VALUE_I64;
+  return is_number && (std::isfinite(parameter.minimum) || std::isfinite(parameter.maximum));
+}
+
+}  // namespace
+
+void write_parameter(std::ostream& out, const weft_parameter& parameter) {
+  const weft_value& value = parameter.default_value;
+  const char* type = type_name(value.type);
+  out << "      - name: " << double_quoted(value.name)
+      << "\n        type: " << (type != nullptr ? type : std::to_string(value.type));
+  if (value.is_vector != 0) out << "\n        vector: true";
+  if (parameter.required != 0) {
+    out << "\n        required: true";
+  } else if (type != nullptr) {
+    out << "\n        default: " << default_of(value);
+  }
+  if (*parameter.unit != '\0') out << "\n        unit: " << double_quoted(parameter.unit);
+  if (is_bounded(parameter)) {
+    out << "\n        range: [" << number(parameter.minimum) << ", " << number(parameter.maximum)
+        << "]";
+  }
+  for (std::uint64_t i = 0; i < parameter.choice_count; ++i) {
+    out << (i == 0 ? "\n        choices: [" : ", ") << double_quoted(parameter.choices[i]);
+  }
+  if (parameter.choice_count > 0) out << "]";
+  if (*parameter.role != '\0') out << "\n        role: " << double_quoted(parameter.role);
+  if (*parameter.was != '\0') out << "\n        was: " << double_quoted(parameter.was);
+  out << "\n        help: " << double_quoted(parameter.help) << "\n";
+}
+
+std::string text_of(const weft_field& field) {
+  const auto flag = [&](std::uint32_t bit) { return (field.flags & bit) != 0 ? "true" : "false"; };
+  return "{name: " + double_quoted(field.name) + ", type: " + dtype_name(field.dtype) +
+         ", shape: " + double_quoted(field.shape) + ", unit: " + double_quoted(field.unit) +
+         ", meaning: " + double_quoted(field.meaning) + ", optional: " + flag(WEFT_FIELD_OPTIONAL) +
+         ", may_be_nan: " + flag(WEFT_FIELD_MAY_BE_NAN) + "}";
+}
+
+}  // namespace weft::host

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <weft/abi.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+#include <weft/core/result.hpp>
+
+#include "host/records/record_schema.hpp"
+#include "host/roles/role_rules.hpp"
+#include "yaml/yaml.hpp"
+
+namespace weft::host {
+
+/// One parameter as its component declares it.
+struct ParameterSpec {
+  std::string name;
+  weft_value_type type = WEFT_VALUE_F64;
+  bool is_vector = false;
+  bool required = false;
+  yaml::Node default_value;
+  std::string unit;
+  std::string help;
+  bool bounded = false;
+  double minimum = 0.0;
+  double maximum = 0.0;
+  std::vector<std::string> choices;  ///< of an input path: words that may stand in its place
+  std::string role;                  ///< of a component parameter
+  std::string was;                   ///< its name in older versions, or empty
+
+  /// Whether the value of an input path names a file or files.
+  bool names_files(const std::string& value) const {
+    return type == WEFT_VALUE_INPUT_PATH && !value.empty() &&
+           std::find(choices.begin(), choices.end(), value) == choices.end();
+  }
+};
+
+/// The parameter that decides how strict a component is, and values over which a ROC curve runs.
+struct SweepSpec {
+  std::string parameter;
+  std::vector<double> values;  ///< ascending
+};
+
+/// One component as its library's manifest describes it.
+struct ComponentManifest {
+  std::string id, version, summary, reference, licence, determinism;
+  std::string implements;  ///< "paper", "reconstruction" or "own"; empty where it is not stated
+  std::vector<std::string> needs, reads, produces;
+  std::vector<std::string> records;  ///< types that it may read or make, "correspondences/1"
+  bool random = false;
+  bool uses_truth = false;
+  std::vector<std::string> extensions;  ///< "weft.devices/1"
+  std::vector<ParameterSpec> parameters;
+  std::optional<SweepSpec> sweep;
+  std::vector<RecordSchema> record_types;                 ///< of vendors, those of `records`
+  std::shared_ptr<const RoleRules> open_rules = nullptr;  ///< its own, where its role is open
+  std::string unknown;  ///< what this version of Weft does not know of it, in words, or empty
+
+  /// What its role means to the host, with its own slots where the role leaves them open.
+  const RoleRules& rules() const { return open_rules != nullptr ? *open_rules : rules_of(role()); }
+  const RecordSchema* schema_of(std::string_view type) const;
+  /// Makes `open_rules` of what it says of itself, or says in `unknown` why they cannot be.
+  void find_rules();
+  std::string role() const { return id.substr(0, id.find('/')); }
+  bool has_extension(std::string_view name) const {
+    return std::find(extensions.begin(), extensions.end(), name) != extensions.end();
+  }
+  bool prefers_isolation() const { return has_extension(WEFT_ISOLATION); }
+  bool keeps_arrays_on_devices() const { return has_extension(WEFT_DEVICES); }
+  bool steers_runs() const { return has_extension(WEFT_STEERING); }
+};
+
+/// What stands beside a library, readable without loading it.
+struct Manifest {
+  std::string file;     ///< of the manifest
+  std::string library;  ///< of the shared object beside it
+  int abi_major = 0;
+  int abi_minor = 0;    ///< of the header that it was built with
+  int needs_minor = 0;  ///< the oldest host that it works with
+  std::string build_id, compiler;
+  std::vector<std::string> isa;
+  std::vector<ComponentManifest> components;
+};
+
+/// Fails with syntax or invalid_data, at file:line:column.
+Result<Manifest> read_manifest(const std::string& file);
+
+/// The word that a manifest uses for a parameter's type: "f64", "choice".
+const char* parameter_type_name(weft_value_type type);
+
+}  // namespace weft::host

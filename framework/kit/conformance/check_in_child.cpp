@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kit/conformance/check_in_child.hpp"
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <stdexcept>
+#include <weft/testing/role_contract.hpp>
+
+#include "process/child.hpp"
+
+namespace weft::conformance {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kWhole = 86;  ///< exit code of a process that came to the end of its checks
+
+/// What a handler reaches.
+int remarks_to = -1;
+
+/// A component that spoils an input is told so; what becomes of it does not change.
+void on_fault(int signal, siginfo_t* info, void* /*context*/) {
+  const testing::SpoiltInput spoilt = testing::spoilt_input_at(info->si_addr);
+  if (spoilt.input != nullptr) {
+    Notebook::remark(remarks_to, "it ");
+    Notebook::remark(remarks_to, spoilt.deed);
+    Notebook::remark(remarks_to, spoilt.input);
+    Notebook::remark(remarks_to, ": ");
+  }
+  std::signal(signal, SIG_DFL);
+  if (info->si_code <= 0) raise(signal);  // a fault comes again by itself
+}
+
+/// The exit code.
+int make_checks(int notes, const Choice& choice, const std::function<void(Notebook&)>& make) {
+  remarks_to = notes;
+  for (const int deadly : {SIGBUS, SIGFPE, SIGILL, SIGABRT}) std::signal(deadly, SIG_DFL);
+  struct sigaction action {};
+  action.sa_sigaction = on_fault;
+  action.sa_flags = SA_SIGINFO;
+  sigaction(SIGSEGV, &action, nullptr);
+  Notebook notebook(notes, choice);
+  make(notebook);
+  return kWhole;
+}
+
+std::string how_it_ended(const process::Ending& ending) {
+  if (ending.too_many) return "it " + process::too_many_processes();
+  if (ending.signal != 0) return "ended by " + process::signal_text(ending.signal);
+  return fmt::format("it ended its process with exit code {}", ending.exit_code);
+}
+
+/// The end of a process that did not come to the end of its checks.
+Finding failure(const Notes& notes, const std::string& first, const std::string& how,
+                const std::string& printed) {
+  const std::string check = !notes.unfinished.empty() ? notes.unfinished
+                            : !notes.findings.empty() ? notes.findings.back().check
+                                                      : first;
+  return {check, Verdict::fails,
+          fmt::format("{}{}{}; what comes after it in its group was not checked", notes.remarks,
+                      how, printed.empty() ? "" : ", having printed '" + printed + "'")};
+}
+
+}  // namespace
+
+std::vector<Finding> check_in_child(const std::string& first, const Choice& choice,
+                                    std::chrono::seconds longest,
+                                    const std::function<void(Notebook&)>& make) {
+  const auto started = process::Child::start(
+      process::Copy{.work = [&](int notes) { return make_checks(notes, choice, make); },
+                    .out = process::kMemory,
+                    .err = process::kMemory});
+  if (!started) throw std::runtime_error(started.error().message);
+  process::Child& child = **started;
+  std::size_t written = 0;
+  auto last = Clock::now();
+  child.listen([&] {
+    if (child.out().size() > written) last = Clock::now();
+    written = child.out().size();
+    return Clock::now() - last <= longest;
+  });
+  const bool late = !child.ending();
+  const process::Ending ending = child.end();
+  child.read();
+  Notes notes = read_notes(child.out());
+  if (ending.exit_code == kWhole) return std::move(notes.findings);
+  const std::string how = late && ending.signal != 0
+                              ? fmt::format("not done after {} s", longest.count())
+                              : how_it_ended(ending);
+  const Finding last_one = failure(notes, first, how, child.last_line());
+  if (!notes.findings.empty() && notes.findings.back().check == last_one.check) {
+    notes.findings.pop_back();
+  }
+  notes.findings.push_back(last_one);
+  return std::move(notes.findings);
+}
+
+}  // namespace weft::conformance

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kit/conformance/candidate.hpp"
+#include "kit/conformance/finding.hpp"
+
+namespace weft::conformance {
+
+/// How a component did.
+struct Report {
+  std::string id, library;
+  std::string skipped;  ///< why it was not checked, or not called; empty where it was
+  std::vector<Finding> findings;
+
+  std::size_t count(Verdict verdict) const;
+  bool fails() const { return count(Verdict::fails) > 0; }
+};
+
+/// Holds a component to the binary contract and to that of its role: each group of checks in a
+/// process of its own, a copy of this one, which must have one thread.
+Report check(const Candidate& candidate, const Choice& choice);
+
+/// Whether there is a group or a check of this name.
+bool is_known(const std::string& group_or_check);
+
+}  // namespace weft::conformance

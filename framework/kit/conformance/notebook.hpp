@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <unistd.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kit/conformance/finding.hpp"
+
+namespace weft::conformance {
+
+/// What is seen in one check. It holds unless something else is said.
+class Page {
+ public:
+  void fail(const std::string& seen);
+  void expect(bool holds, const std::string& seen) {
+    if (!holds) fail(seen);
+  }
+  void skip(const std::string& why);
+  void note(const std::string& figure);  ///< for whoever asks for it, where it holds
+
+  bool failed() const { return verdict_ == Verdict::fails; }
+  Finding finding(const std::string& check) const { return {check, verdict_, seen_}; }
+
+ private:
+  Verdict verdict_ = Verdict::holds;
+  std::string seen_;
+  int told_ = 0;
+};
+
+/// Where the checks of a group are written down, one by one, so that those before a crash are
+/// known. Written by the process that makes them, read by the one that asked for them.
+class Notebook {
+ public:
+  /// Writes to this file.
+  Notebook(int file, Choice choice) : file_(file), choice_(std::move(choice)) {}
+
+  const Choice& choice() const { return choice_; }
+
+  /// Makes a check, if it was chosen; what it throws is a failure.
+  void check(const std::string& name, const std::function<void(Page&)>& body);
+
+  /// The same for a check that begins here and ends with the next call of either.
+  void begin(const std::string& name);
+  void end(const Page& page);
+
+  /// What is to be said of the check that is being made if its process ends: for handlers of
+  /// signals.
+  static void remark(int file, const char* text);
+
+ private:
+  bool is_chosen(const std::string& name) const;
+  void write(const std::string& line) const;
+
+  int file_;
+  pid_t process_ = getpid();  ///< that makes the checks
+  Choice choice_;
+  std::optional<std::string> open_;
+};
+
+/// What a notebook holds.
+struct Notes {
+  std::vector<Finding> findings;
+  std::string unfinished;  ///< the check in which it ends; empty where it was closed
+  std::string remarks;
+};
+Notes read_notes(const std::string& written);
+
+}  // namespace weft::conformance

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kit/conformance/probes/process_state.hpp"
+
+#include <dlfcn.h>
+#include <link.h>
+#include <malloc.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cfenv>
+#include <clocale>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#if defined(__x86_64__)
+#include <xmmintrin.h>
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define WEFT_SANITIZER_ALLOCATES
+// Of sanitizer/allocator_interface.h, which GCC does not install.
+extern "C" std::size_t __sanitizer_get_current_allocated_bytes();
+#endif
+
+namespace weft::conformance {
+namespace {
+
+std::size_t entries_of(const char* folder) {
+  std::size_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    static_cast<void>(entry);
+    ++count;
+  }
+  return count;
+}
+
+std::string signals() {
+  constexpr int kRestorer = 0x04000000;  // set by the C library in whatever is installed
+  std::ostringstream text;
+  for (int signal = 1; signal < NSIG; ++signal) {
+    struct sigaction action {};
+    if (sigaction(signal, nullptr, &action) != 0) continue;
+    text << signal << ' ' << reinterpret_cast<const void*>(action.sa_handler) << ' '
+         << (action.sa_flags & ~kRestorer) << '\n';
+  }
+  sigset_t mask;
+  pthread_sigmask(SIG_SETMASK, nullptr, &mask);
+  for (int signal = 1; signal < NSIG; ++signal) {
+    if (sigismember(&mask, signal) == 1) text << "blocked " << signal << '\n';
+  }
+  return text.str();
+}
+
+std::string environment() {
+  std::vector<std::string> all;
+  for (char** entry = environ; entry != nullptr && *entry != nullptr; ++entry) {
+    all.emplace_back(*entry);
+  }
+  std::sort(all.begin(), all.end());
+  std::string text;
+  for (const std::string& entry : all) text += entry + "\n";
+  return text;
+}
+
+std::string file_mask() {
+  const mode_t mask = umask(0);
+  umask(mask);
+  return std::to_string(mask);
+}
+
+}  // namespace
+
+std::size_t count_descriptors() { return entries_of("/proc/self/fd"); }
+std::size_t count_threads() { return entries_of("/proc/self/task"); }
+
+#ifdef WEFT_SANITIZER_ALLOCATES
+std::int64_t heap_bytes() {
+  return static_cast<std::int64_t>(__sanitizer_get_current_allocated_bytes());
+}
+
+// It keeps what is freed for a while, which makes the process larger.
+std::int64_t resident_bytes() { return heap_bytes(); }
+#else
+std::int64_t heap_bytes() {
+  const struct mallinfo2 heap = mallinfo2();
+  return static_cast<std::int64_t>(heap.uordblks + heap.hblkhd);
+}
+
+std::int64_t resident_bytes() {
+  std::ifstream file("/proc/self/statm");
+  std::int64_t total = 0, resident = 0;
+  file >> total >> resident;
+  return resident * sysconf(_SC_PAGESIZE);
+}
+#endif
+
+double processor_ms() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+double queued_ms(int thread) {
+  std::ifstream file("/proc/self/task/" + std::to_string(thread) + "/schedstat");
+  double computed_ns = 0.0, queued_ns = 0.0;
+  file >> computed_ns >> queued_ns;
+  return 1e-6 * queued_ns;
+}
+
+std::string floating_point_mode() {
+  std::ostringstream text;
+  text << std::hex << "rounding " << std::fegetround();
+#if defined(__x86_64__)
+  constexpr unsigned kFlags = 0x3F;  // what computations leave behind
+  text << ", control " << (_mm_getcsr() & ~kFlags);
+#endif
+  return text.str();
+}
+
+std::map<std::string, std::string> process_state() {
+  std::error_code code;
+  const char* locale = std::setlocale(LC_ALL, nullptr);
+  return {{"locale", locale != nullptr ? locale : ""},
+          {"signals", signals()},
+          {"working_directory", std::filesystem::current_path(code).string()},
+          {"umask", file_mask()},
+          {"environment", environment()}};
+}
+
+int opencv_threads() {
+  std::string path;
+  const auto look = [](dl_phdr_info* info, std::size_t /*size*/, void* found) {
+    const bool is_it = std::strstr(info->dlpi_name, "libopencv_core") != nullptr;
+    if (is_it) *static_cast<std::string*>(found) = info->dlpi_name;
+    return is_it ? 1 : 0;
+  };
+  dl_iterate_phdr(look, &path);
+  if (path.empty()) return -1;
+  void* library = dlopen(path.c_str(), RTLD_NOLOAD | RTLD_LAZY);
+  if (library == nullptr) return -1;
+  using Count = int (*)();
+  const auto count = reinterpret_cast<Count>(dlsym(library, "_ZN2cv13getNumThreadsEv"));
+  const int threads = count != nullptr ? count() : -1;
+  dlclose(library);
+  return threads;
+}
+
+}  // namespace weft::conformance

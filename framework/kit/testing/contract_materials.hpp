@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "kit/testing/contract_scene.hpp"
+
+/// What the scenes of the contract are made of.
+namespace weft::testing {
+
+/// Discs of random grey levels: corners, blobs and edges for any detector.
+void draw_discs(Array<std::uint8_t>& pixels, Rng& rng);
+
+/// Adds all that descriptors say of matches.
+void describe(LabelledMatches& drawn, Rng& rng);
+
+/// Keypoints at these places, whose descriptors are those of any other call with the same `rng`,
+/// but for the noise, in grey levels.
+Keypoints make_keypoints(const Points2View& places, Rng rng, double noise, Rng noise_rng);
+
+/// The same keypoints with a bit for each pair of neighbouring numbers in place of the numbers.
+Keypoints with_bits(Keypoints keypoints);
+
+/// The map from texture to image, with its derivatives, at the template's vertices.
+WarpSamples sample_truth(const Template& templ, const Camera& camera,
+                         const DevelopableSheet& sheet);
+
+Shape shape_at(const Points3& vertices_m);
+Visibility all_visible(std::int64_t count);
+GroundTruth truth_of(const Template& templ, const Points3& vertices_m);
+
+/// The first and the last vertex, within 5 mm.
+KnownPoints held_corners(const Points3& vertices_m);
+
+}  // namespace weft::testing

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "kit/testing/contract_subject.hpp"
+#include "kit/testing/geometry/moves.hpp"
+
+namespace weft::testing {
+
+/// What a component says of a scene, and what its warp is at points of the texture.
+struct Asked {
+  Answer answer;
+  std::optional<Points2> warped_px{};  ///< [M,2] px, of the texels that were asked for
+};
+
+/// Asks a new instance. Who makes shapes is not told the last one, nor known points, nor an image
+/// that it can do without: it must find the shape by itself. A warp is evaluated at `texels_px`.
+Asked ask(const Subject& subject, const Scene& scene, const Points2& texels_px);
+
+/// Whether it is then given an image.
+bool sees_pixels(const Subject& subject);
+
+/// Points well inside the texture, away from the borders of any grid, [25,2] px.
+Points2 inner_texels(const Template& templ);
+
+/// Evaluates at points of the texture; nothing where a point is said to be beyond.
+std::optional<Points2> warped(Performer& performer, const HeldRecord& warp,
+                              const Points2& texels_px);
+
+/// How the answer of `after`, to the moved scene, is not that of `before`, moved; empty where it
+/// is. Masks and flags are the same, places the same to 1e-3 mm and 1e-6 px.
+std::string difference_moved(const Scene& scene, const Asked& before, const Asked& after,
+                             const Move& move);
+
+}  // namespace weft::testing

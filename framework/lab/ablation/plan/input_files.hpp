@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+#include <weft/core/result.hpp>
+
+namespace weft::lab {
+
+/// The content of files that pipelines read. Each path is hashed once; later it can be asked
+/// whether its files are still what they were.
+class InputFiles {
+ public:
+  /// XXH128 of what `path` names, see host::hash_of_files.
+  const Result<std::string>& hash_of(const std::string& path);
+
+  /// The first of the paths whose files are not what hash_of() read, empty when there is none.
+  /// Files whose size, time and number are the same are not read again.
+  std::string changed(const std::vector<std::string>& paths) const;
+
+ private:
+  /// What tells without reading it that a file is another one.
+  struct File {
+    std::string path;
+    std::uint64_t device = 0, number = 0, bytes = 0;
+    std::int64_t changed_ns = 0;  ///< [ns] of its content
+
+    bool operator==(const File&) const = default;
+  };
+  struct Known {
+    std::vector<File> files;  ///< as they were before they were hashed
+    Result<std::string> hash;
+  };
+  static std::vector<File> look_at(const std::string& path);
+
+  std::map<std::string, Known> known_;  ///< by path
+};
+
+}  // namespace weft::lab

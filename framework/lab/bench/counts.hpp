@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "lab/bench/schedule.hpp"
+#include "pipeline/runs/run.hpp"
+
+namespace weft::bench {
+
+/// What one part asked of the allocator, in each frame that counts and in which it was not skipped.
+struct PartCount {
+  std::string name;  ///< the source's too, host and frame as in figures.hpp
+  std::vector<double> blocks, bytes;
+};
+
+/// What a process that did nothing else but run a pipeline needed.
+struct Counts {
+  bool allocations = false;  ///< whether they were counted; `parts` is empty otherwise
+  std::vector<PartCount> parts;
+  double loaded_kib = 0.0;  ///< with the libraries loaded, before anything was made
+  double peak_kib = 0.0;    ///< at most, from then on until the last frame
+};
+
+/// Runs `settings.all_frames()` frames, one after the other as `weft run` does, and counts. To be
+/// called once in a process: peaks do not come down by themselves. Memory of workers is not in it.
+Result<Counts> count_here(const CheckedPipeline& pipeline, const Settings& settings,
+                          const std::atomic<bool>& cancel);
+
+/// As text that another process reads.
+std::string text_of(const Counts& counts);
+Result<Counts> counts_in(const std::string& text);
+
+/// Starts the command, whose first word is the path of a program, with this library loaded first
+/// (none where there is no such file), and reads the counts that it prints. `cancel` ends it.
+Result<Counts> count_in_child(const std::vector<std::string>& command, const std::string& library,
+                              const std::atomic<bool>& cancel);
+
+}  // namespace weft::bench

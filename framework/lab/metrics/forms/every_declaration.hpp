@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lab/metrics/field.hpp"
+
+namespace weft::lab {
+
+/// The base of a visitor that takes each declared member as one of its own, whether a frame has it
+/// or not.
+template <class Visitor>
+class EveryDeclaration {
+ public:
+  template <class Value>
+  void derived(const MetricField& field, const Value& value) {
+    self()(field, value);
+  }
+
+  template <class Members>
+  void object(const MetricField& /*field*/, bool /*there*/, Members&& members) {
+    members(self());
+  }
+
+  template <class Members>
+  void when(bool /*there*/, Members&& members) {
+    members(self());
+  }
+
+ private:
+  Visitor& self() { return static_cast<Visitor&>(*this); }
+};
+
+}  // namespace weft::lab

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <weft/geometry/types.hpp>
+
+#include "lab/metrics/field.hpp"
+#include "lab/metrics/shapes/true_surface.hpp"
+#include "lab/statistics/unknown.hpp"
+
+namespace weft::lab {
+
+/// The same distances as those of the literature, which compares points: to the nearest of places
+/// drawn evenly over the mesh, and from them to the nearest true point, or to the nearest of as
+/// many places drawn over the true surface where it has faces.
+struct SampledDistances {
+  double from_truth_mm = kUnknown, to_truth_mm = kUnknown;                    ///< [] mm
+  double from_truth_squared_mm2 = kUnknown, to_truth_squared_mm2 = kUnknown;  ///< [] mm^2
+
+  double chamfer_mm() const { return 0.5 * (from_truth_mm + to_truth_mm); }
+  double chamfer_squared_mm2() const { return from_truth_squared_mm2 + to_truth_squared_mm2; }
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit({"sampled_from_truth_mm", "mean distance of true samples to the nearest of the mesh",
+           kLower},
+          self.from_truth_mm);
+    visit({"sampled_to_truth_mm", "mean distance of the mesh's samples to the nearest true one",
+           kLower},
+          self.to_truth_mm);
+    visit.derived({"sampled_chamfer_mm", "mean of these two", kLower}, self.chamfer_mm());
+    visit({"sampled_from_truth_squared_mm2", "mean squared distance of true samples", kLower},
+          self.from_truth_squared_mm2);
+    visit({"sampled_to_truth_squared_mm2", "mean squared distance of the mesh's samples", kLower},
+          self.to_truth_squared_mm2);
+    visit.derived({"sampled_chamfer_squared_mm2", "sum of these two", kLower},
+                  self.chamfer_squared_mm2());
+  }
+};
+
+/// How far two surfaces are apart whatever lies where on them, of a solved frame: from each point
+/// of the truth to the nearest place of the mesh, and from places spread evenly over the mesh to
+/// the nearest of the truth, its surface where it has one, else its points. Never aligned.
+struct SurfaceMetrics {
+  double from_truth_mm = kUnknown;               ///< [] mm, mean over the true points
+  double to_truth_mm = kUnknown;                 ///< [] mm, mean over the mesh's area
+  double from_truth_squared_mm2 = kUnknown;      ///< [] mm^2, mean over the true points
+  double to_truth_squared_mm2 = kUnknown;        ///< [] mm^2, mean over the mesh's area
+  std::optional<SampledDistances> sampled = {};  ///< where they are asked for
+
+  double chamfer_mm() const { return 0.5 * (from_truth_mm + to_truth_mm); }
+  double chamfer_squared_mm2() const { return from_truth_squared_mm2 + to_truth_squared_mm2; }
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit({"surface_from_truth_mm", "mean distance of true points to the mesh", kLower},
+          self.from_truth_mm);
+    visit({"surface_to_truth_mm", "mean distance of the mesh to the truth", kLower},
+          self.to_truth_mm);
+    visit.derived({"chamfer_mm", "mean of these two", kLower}, self.chamfer_mm());
+    visit({"surface_from_truth_squared_mm2", "mean squared distance of true points to the mesh",
+           kLower},
+          self.from_truth_squared_mm2);
+    visit(
+        {"surface_to_truth_squared_mm2", "mean squared distance of the mesh to the truth", kLower},
+        self.to_truth_squared_mm2);
+    visit.derived({"chamfer_squared_mm2", "sum of these two", kLower}, self.chamfer_squared_mm2());
+    visit.optional(self.sampled);
+  }
+};
+
+/// Means of SampledDistances over the frames that have them.
+struct SampledSummary {
+  std::int64_t frames = 0;
+  double from_truth_mm = kUnknown, to_truth_mm = kUnknown, chamfer_mm = kUnknown;  ///< [] mm
+  double from_truth_squared_mm2 = kUnknown, to_truth_squared_mm2 = kUnknown;       ///< [] mm^2
+  double chamfer_squared_mm2 = kUnknown;                                           ///< [] mm^2
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit({"sampled_frames", "of which there are sampled distances"}, self.frames);
+    visit({"sampled_from_truth_mm", "mean distance of true samples to the nearest of the mesh",
+           kLower},
+          self.from_truth_mm);
+    visit({"sampled_to_truth_mm", "mean distance of the mesh's samples to the nearest true one",
+           kLower},
+          self.to_truth_mm);
+    visit({"sampled_chamfer_mm", "mean over frames of the mean of these two", kLower},
+          self.chamfer_mm);
+    visit({"sampled_from_truth_squared_mm2", "mean squared distance of true samples", kLower},
+          self.from_truth_squared_mm2);
+    visit({"sampled_to_truth_squared_mm2", "mean squared distance of the mesh's samples", kLower},
+          self.to_truth_squared_mm2);
+    visit({"sampled_chamfer_squared_mm2", "mean over frames of the sum of these two", kLower},
+          self.chamfer_squared_mm2);
+  }
+};
+
+/// Means of SurfaceMetrics over the frames that have them.
+struct SurfaceSummary {
+  std::int64_t frames = 0;            ///< [] solved, with true points
+  std::int64_t frames_both_ways = 0;  ///< [] of them, with a truth that is dense enough
+  double from_truth_mm = kUnknown, to_truth_mm = kUnknown;                    ///< [] mm
+  double from_truth_squared_mm2 = kUnknown, to_truth_squared_mm2 = kUnknown;  ///< [] mm^2
+  double chamfer_mm = kUnknown;                 ///< [] mm, of frames both ways
+  double chamfer_squared_mm2 = kUnknown;        ///< [] mm^2, of frames both ways
+  double worst_chamfer_squared_mm2 = kUnknown;  ///< [] mm^2, largest of a frame
+  SampledSummary sampled;                       ///< where sampled distances were asked for
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit({"frames", "solved, with true points"}, self.frames);
+    visit({"frames_both_ways", "of them, with a truth that is dense enough"},
+          self.frames_both_ways);
+    visit({"surface_from_truth_mm", "mean distance of true points to the mesh", kLower},
+          self.from_truth_mm);
+    visit({"surface_to_truth_mm", "mean distance of the mesh to the truth", kLower},
+          self.to_truth_mm);
+    visit({"chamfer_mm", "mean over frames of the mean of these two", kLower}, self.chamfer_mm);
+    visit({"surface_from_truth_squared_mm2", "mean squared distance of true points to the mesh",
+           kLower},
+          self.from_truth_squared_mm2);
+    visit(
+        {"surface_to_truth_squared_mm2", "mean squared distance of the mesh to the truth", kLower},
+        self.to_truth_squared_mm2);
+    visit({"chamfer_squared_mm2", "mean over frames of the sum of these two", kLower},
+          self.chamfer_squared_mm2);
+    visit({"chamfer_squared_worst_mm2", "largest sum of a frame", kLower},
+          self.worst_chamfer_squared_mm2);
+    SampledSummary::fields(self.sampled, visit);
+  }
+};
+
+/// So many places are drawn over a surface for sampled distances, as in the literature.
+inline constexpr std::int64_t kSurfaceSamples = 10'000;
+
+/// Seeds of the samples, so that a run that is evaluated twice has the same figures.
+inline constexpr std::uint64_t kMeshSeed = 1, kTruthSeed = 2;
+
+/// Of vertices [V,3] m, camera frame, all finite, and a truth with points. The truth is dense
+/// enough for the way from the mesh where it has faces, or where its points stand closer than 1 %
+/// of the mesh's diagonal. Sampled distances are made of so many `samples`, of none without any.
+SurfaceMetrics surface_metrics(const Points3View& vertices_m, const FacesView& faces,
+                               const TrueSurface& truth, std::int64_t samples = 0);
+
+SurfaceSummary summarise_surfaces(std::span<const SurfaceMetrics> frames);
+
+}  // namespace weft::lab

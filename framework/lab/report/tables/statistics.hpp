@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lab/results/results.hpp"
+#include "lab/statistics/comparison.hpp"
+
+namespace weft::lab {
+
+/// Whether a metric had better be low or high.
+Better better_of(const std::string& metric);
+
+/// What the cells that `where` selects say of the values of the comparison's axis. The 3D error
+/// enters frame by frame, every other metric cell by cell. Cells that differ on other axes are
+/// paired with each other and count as further seeds of their sequence. A cell that has not been
+/// run says nothing.
+std::vector<Observation> observations_of(const Results& results, const PlanComparison& plan,
+                                         const Selection& where = {});
+
+/// How a comparison is named, and which way is better.
+ComparisonOptions options_of(const PlanComparison& plan);
+
+/// Compares the values of the axis; fails where the plan has no such axis or reference.
+Result<ComparisonTable> compare(const Results& results, const PlanComparison& plan);
+
+/// The same comparison with one value of another axis at a time.
+struct ApartComparison {
+  std::string axis;                     ///< of the plan, or "data"
+  std::vector<std::string> values;      ///< of that axis
+  std::vector<ComparisonTable> tables;  ///< one a value; they are one family
+};
+
+/// One entry for each other axis of a few values that sweeps no number, and for the data where a
+/// kind of them has enough sequences to decide anything.
+Result<std::vector<ApartComparison>> compare_apart(const Results& results,
+                                                   const PlanComparison& plan);
+
+}  // namespace weft::lab

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace weft::lab {
+
+/// A file in the folder of a cell.
+struct CellFile {
+  std::string name;
+  std::uint64_t bytes = 0;
+  std::string hash;  ///< XXH128, 32 hexadecimal digits
+};
+
+/// A result that cannot be trusted: its line, or what its line says to be in the cell's folder.
+struct Damage {
+  std::string where;  ///< "FILE:LINE", or the cell's folder
+  std::string what;   ///< is wrong
+  std::string key;    ///< of the cell; empty where it cannot be told
+  std::string file;   ///< of the line, without folders
+  int line = 0;
+};
+
+}  // namespace weft::lab

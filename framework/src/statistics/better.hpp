@@ -1,9 +1,0 @@
-// SPDX-License-Identifier: Apache-2.0
-#pragma once
-
-namespace weft::evaluation {
-
-/// Which values of a metric are the better ones.
-enum class Better { lower, higher };
-
-}  // namespace weft::evaluation

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+// Components that would take their host with them: made to run in a worker.
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <thread>
+#include <weft/sdk/filter.hpp>
+#include <weft/sdk/pass.hpp>
+
+namespace {
+
+enum class Deed {
+  none,
+  crash,
+  abort,
+  exit,
+  kill,
+  hang,
+  obey,
+  scribble,
+  log,
+  large,
+  fault,
+  overflow,
+  terminate,
+  quit,
+  spoil,
+  overread,
+  leave,
+  leave_session,
+  fork_twice,
+  multiply,
+  print,
+  warn
+};
+enum class Place { process, create, prepare };
+
+/// Dies of a signal as it does without anybody's handler for it.
+void die_of(int signal) {
+  ::signal(signal, SIG_DFL);
+  raise(signal);
+}
+
+void write_where_nothing_is() {
+  void* const nothing = mmap(nullptr, 4096, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  *static_cast<volatile int*>(nothing) = 1;
+}
+
+void read_at(const volatile double* place) {
+  const double read = *place;
+  static_cast<void>(read);
+}
+
+/// Is in use until the process ends, and faults where it is destroyed before.
+struct InUse {
+  ~InUse() { write_where_nothing_is(); }
+};
+
+/// Calls itself until the stack is full: only the caller knows that `more` never changes.
+int fill_the_stack(const volatile bool& more) {
+  volatile char room[4096];
+  room[0] = 1;
+  return (more ? fill_the_stack(more) : 0) + room[0];
+}
+
+/// Writes into every socket of the process, one of which leads to the host.
+void scribble() {
+  for (int file = 3; file < 64; ++file) {
+    const char nonsense[64] = "neither head nor tail";
+    if (send(file, nonsense, sizeof(nonsense), MSG_NOSIGNAL) < 0) continue;
+  }
+}
+
+/// A process that holds all files of this one for an hour; `apart`, in a session of its own and
+/// below another parent.
+void leave_a_process(const std::string& name, bool apart) {
+  if (fork() != 0) return;
+  if (apart) setsid();
+  if (apart && fork() != 0) _exit(0);
+  prctl(PR_SET_NAME, name.c_str());
+  std::this_thread::sleep_for(std::chrono::hours(1));
+  _exit(0);
+}
+
+/// Prints 64 MiB.
+void print_much() {
+  const std::string line(1023, 'x');
+  for (int i = 0; i < 65536; ++i) std::puts(line.c_str());
+  std::fflush(stdout);
+}
+
+/// Keeps every match until it is time for its deed.
+class Deadly final : public weft::Filter {
+ public:
+  explicit Deadly(weft::Params& p) {
+    p.choice("deed", deed_,
+             {{"none", Deed::none},
+              {"crash", Deed::crash},
+              {"abort", Deed::abort},
+              {"exit", Deed::exit},
+              {"kill", Deed::kill},
+              {"hang", Deed::hang},
+              {"obey", Deed::obey},
+              {"scribble", Deed::scribble},
+              {"log", Deed::log},
+              {"large", Deed::large},
+              {"fault", Deed::fault},
+              {"overflow", Deed::overflow},
+              {"terminate", Deed::terminate},
+              {"quit", Deed::quit},
+              {"spoil", Deed::spoil},
+              {"overread", Deed::overread},
+              {"leave", Deed::leave},
+              {"leave_session", Deed::leave_session},
+              {"fork_twice", Deed::fork_twice},
+              {"multiply", Deed::multiply},
+              {"print", Deed::print},
+              {"warn", Deed::warn}},
+             "what it does");
+    p.choice("where", where_,
+             {{"process", Place::process}, {"create", Place::create}, {"prepare", Place::prepare}},
+             "in which function");
+    p.read("frame", frame_, "", {-1, 1e6}, "in which frame; -1 for all");
+    p.text("child", child_, "name of the processes that it leaves behind");
+    p.read("prepare_ms", prepare_ms_, "ms", {0, 10'000}, "time that it takes to prepare");
+    if (where_ == Place::create) act();
+  }
+
+  weft::Result<void> prepare(const weft::PrepareInput&) override {
+    if (where_ == Place::prepare) act();
+    std::this_thread::sleep_for(std::chrono::milliseconds(prepare_ms_));
+    prepared_ = true;
+    return {};
+  }
+
+  weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
+    const std::int64_t n = in.correspondences.count();
+    weft::InlierMask mask{weft::Array<std::uint8_t>({n}, 0), weft::Array<double>({n}, 0.0), {}};
+    mask.diag.set("prepared", prepared_ ? 1.0 : 0.0);
+    mask.diag.set("process", static_cast<double>(getpid()));
+    if (where_ != Place::process) return mask;
+    if (frame_ >= 0 && static_cast<std::uint64_t>(frame_) != in.call.frame()) return mask;
+    act();
+    if (deed_ == Deed::spoil) *const_cast<std::uint8_t*>(in.correspondences.kept.data()) = 0;
+    if (deed_ == Deed::overread) read_at(in.correspondences.score.data() + n + 16);
+    for (int i = 0; deed_ == Deed::warn && i < 20'000; ++i) {
+      in.call.log_warning("warning number " + std::to_string(i));
+    }
+    if (deed_ == Deed::log) in.call.log_warning("so far so good");
+    if (deed_ == Deed::large) mask.diag.set("large", weft::Array<double>({5'000'000}, 0.0));
+    while (deed_ == Deed::obey) {
+      if (in.call.cancelled()) return weft::Error{weft::Errc::cancelled, "as you wish"};
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return mask;
+  }
+
+ private:
+  void act() const {
+    if (deed_ == Deed::none) return;
+    std::printf("out it goes\n");
+    std::fprintf(stderr, "these are\nlast words\n");
+    if (deed_ == Deed::crash) die_of(SIGSEGV);
+    if (deed_ == Deed::abort) die_of(SIGABRT);
+    if (deed_ == Deed::kill) die_of(SIGKILL);
+    if (deed_ == Deed::exit) _exit(7);
+    if (deed_ == Deed::scribble) scribble();
+    if (deed_ == Deed::leave || deed_ == Deed::leave_session) {
+      leave_a_process(child_, deed_ == Deed::leave_session);
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      die_of(SIGABRT);
+    }
+    if (deed_ == Deed::fork_twice && fork() == 0) prctl(PR_SET_NAME, child_.c_str());
+    while (deed_ == Deed::multiply) leave_a_process(child_, true);
+    if (deed_ == Deed::print) print_much();
+    if (deed_ == Deed::fault) write_where_nothing_is();
+    if (deed_ == Deed::overflow) {
+      const volatile bool more = true;
+      std::printf("%d", fill_the_stack(more));
+    }
+    if (deed_ == Deed::terminate) std::thread([] { throw 1; }).join();
+    if (deed_ == Deed::quit) {
+      static const InUse by_other_threads;
+      std::exit(0);
+    }
+    while (deed_ == Deed::hang) std::this_thread::sleep_for(std::chrono::hours(1));
+  }
+
+  Deed deed_ = Deed::none;
+  Place where_ = Place::process;
+  int frame_ = -1;
+  std::string child_ = "test_left";
+  int prepare_ms_ = 0;
+  bool prepared_ = false;
+};
+
+/// Leaves when it is asked about its parameters.
+class Leaving final : public weft::Filter {
+ public:
+  explicit Leaving(weft::Params& p) { p.read("at_once", at_once_, "by _exit()"); }
+
+  void check(weft::Mistakes&) const {
+    if (at_once_) _exit(0);
+    std::exit(0);
+  }
+
+  weft::Result<weft::InlierMask> filter(const weft::FilterInput&) override {
+    return weft::no_result("is never asked for one");
+  }
+
+ private:
+  bool at_once_ = false;
+};
+
+/// Tells where a warp that another component made takes the template's third vertex.
+class Reader final : public weft::Pass {
+ public:
+  static constexpr weft::About kAbout{.needs = "warp", .produces = "visibility"};
+
+  explicit Reader(weft::Params&) {}
+
+  weft::Result<weft::PassOutput> run(const weft::PassInput& in) override {
+    const auto samples = weft::evaluate(in.call, *in.warp, {in.templ.flat_px, 0});
+    if (!samples) return samples.error();
+    const std::int64_t count = samples->xy_px.rows();
+    weft::PassOutput out;
+    out.visibility = {weft::Array<std::uint8_t>({count}, 0),
+                      weft::Array<double>({count}, 0.0),
+                      weft::Array<std::uint8_t>({count}, 0),
+                      {}};
+    out.visibility->diag.set("third_x_px", samples->xy_px(2, 0));
+    return out;
+  }
+};
+
+}  // namespace
+
+WEFT_LIBRARY(WEFT_COMPONENT(Deadly, "filters/test_deadly", "1.0.0", "Takes its process with it."),
+             WEFT_COMPONENT(Leaving, "filters/test_leaving", "1.0.0", "Leaves when it is asked."),
+             WEFT_COMPONENT(Reader, "passes/test_reader", "1.0.0", "Evaluates a warp."))

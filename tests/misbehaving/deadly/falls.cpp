@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Does what WEFT_FALLS says as soon as it is loaded, or as its component is made.
+#include <signal.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+#include <vector>
+#include <weft/sdk/filter.hpp>
+
+namespace {
+
+std::string deed() {
+  const char* said = std::getenv("WEFT_FALLS");
+  return said != nullptr ? said : "";
+}
+
+struct WhenLoaded {
+  WhenLoaded() {
+    if (deed() == "fault") raise(SIGSEGV);
+    if (deed() == "exit") std::exit(0);
+    if (deed() == "print") std::printf("what nobody asked for");
+  }
+};
+const WhenLoaded when_loaded;
+
+class Falls final : public weft::Filter {
+ public:
+  explicit Falls(weft::Params&) {
+    if (deed() == "throw") throw std::runtime_error("no such table");
+    if (deed() == "leave") std::exit(7);
+  }
+
+  static std::vector<std::string> devices() { return {"a device"}; }
+
+  weft::Result<weft::InlierMask> filter(const weft::FilterInput&) override {
+    return weft::no_result("is only looked at");
+  }
+};
+
+}  // namespace
+
+WEFT_PLUGIN(Falls, "filters/test_falls", "1.0.0", "Falls over when it is loaded.")
