@@ -7,11 +7,12 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 usage() {
   cat <<'TEXT'
-usage: scripts/bootstrap.sh [--tests] [--with-slurm] [--without-contrib] [--without-opencl | --without-pocl]
+usage: scripts/bootstrap.sh [--tests] [--docs] [--with-slurm] [--without-contrib] [--without-opencl | --without-pocl]
 
   --tests            also what tests need: abidiff, clang with libFuzzer, libc++, clang-format,
                      clang-tidy, codespell, gcovr, chromium, jsonschema, matplotlib, mypy, NumPy,
                      websockets, xxhash and YAML for Python
+  --docs             also what scripts/docs.sh needs: mkdocs with its theme, MathJax and Doxygen
   --with-slurm       also Slurm and MUNGE, for tests of ablations on a cluster
   --without-contrib  not libopencv-contrib-dev (148 MB, and VTK): templates/frex_sheet,
                      sources/frex_video and `weft calibrate` are then left out of the build
@@ -35,12 +36,14 @@ contrib=(libopencv-contrib-dev)
 opencl=(ocl-icd-opencl-dev opencl-headers opencl-clhpp-headers)
 pocl=(pocl-opencl-icd)
 tests=()
+docs=()
 slurm=()
 for argument in "$@"; do
   case $argument in
     --tests) tests=(abigail-tools clang libclang-rt-dev clang-format clang-tidy codespell gcovr
       chromium libc++-dev libc++abi-dev python3-jsonschema python3-matplotlib python3-mypy
       python3-numpy python3-websockets python3-xxhash python3-yaml) ;;
+    --docs) docs=(doxygen libjs-mathjax mkdocs mkdocs-material python3-pymdownx) ;;
     --with-slurm) slurm=(slurm-wlm munge) ;;
     --without-contrib) contrib=() ;;
     --without-opencl) opencl=() pocl=() ;;
@@ -49,7 +52,7 @@ for argument in "$@"; do
     *) echo "bootstrap.sh: unknown argument '$argument'; see --help" >&2; exit 2 ;;
   esac
 done
-packages+=("${contrib[@]}" "${opencl[@]}" "${pocl[@]}" "${tests[@]}" "${slurm[@]}")
+packages+=("${contrib[@]}" "${opencl[@]}" "${pocl[@]}" "${tests[@]}" "${docs[@]}" "${slurm[@]}")
 
 # npm comes with Node where that is not Debian's.
 command -v npm >/dev/null || packages+=(npm)
@@ -82,7 +85,7 @@ build_scripts() {
     return 0
   fi
   echo "Building the scripts of reports and live page with npm"
-  if npm --prefix web ci --no-audit --no-fund --loglevel=error && npm --prefix web run --silent build; then
+  if npm --prefix framework/web ci --no-audit --no-fund --loglevel=error && npm --prefix framework/web run --silent build; then
     echo "$inputs" >framework/web/dist/inputs
   else
     echo "bootstrap.sh: npm could not build framework/web/dist: reports will have tables only, and there will be no live page" >&2

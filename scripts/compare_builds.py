@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the same pipelines and plans with two builds and compares what they write, byte by byte.
 
-usage: scripts/compare_builds.py BEFORE AFTER [--work DIR] [--only NAME ...]
+usage: scripts/compare_builds.py BEFORE AFTER [--work DIR] [--only NAME ...] [--pipelines-before DIR]
 
 BEFORE and AFTER are build folders, with bin/weft and lib/weft/plugins. The pipelines and plans are
-those of this checkout. Left out of the comparison is what says when, where and by which binaries it
-was made: times, trace.json, machines, build ids, hashes of programs and the keys made of them. Prints
-a line a file kind and job; exits 1 where anything differs. A job whose data are absent ($WEFT_DATA)
-is skipped and listed.
+those of this checkout; BEFORE may run those of another folder, with the names of its time. The
+comparison leaves out when, where and by which binaries a result was made: times, trace.json,
+machines, build ids, hashes of programs and the keys made of them. Prints a line a file kind and job;
+exits 1 where anything differs. A job whose data are absent ($WEFT_DATA) is skipped and listed.
 """
 
 import argparse
@@ -29,7 +29,13 @@ SHORT = ["--set", f"source.frames={FRAMES}"]
 
 # name, verb, file, arguments
 JOBS = [
+    ("demo", "run", "demo.yaml", SHORT),
     ("sparse", "run", "sparse.yaml", SHORT),
+    ("dense", "run", "dense.yaml", SHORT),
+    ("tracked", "run", "tracked.yaml", SHORT),
+    ("robusft", "run", "robusft.yaml", SHORT),
+    ("robusft_plus", "run", "robusft_plus.yaml", SHORT),
+    ("cloth", "run", "cloth.yaml", SHORT),
     ("cuts", "run", "cuts.yaml", [*SHORT, "--set", "source.cut_frames=[4, 7]",
                                   "--set", "source.invisible_frames=[3, 9]"]),
     ("self_occlusion", "run", "self_occlusion.yaml", SHORT),
@@ -37,7 +43,9 @@ JOBS = [
     ("kinect_paper", "run", "kinect_paper.yaml", []),
     ("first_look", "ablate", "ablations/first_look.yaml", []),
     ("match_sets", "ablate", "ablations/match_sets.yaml", []),
+    ("fidelity", "ablate", "ablations/fidelity.yaml", []),
 ]
+RECORDED = {"kinect_paper", "fidelity"}  # jobs that need $WEFT_DATA
 
 # Of any JSON: what depends on the machine, the moment or the binaries.
 VOLATILE = {"ms", "processor_ms", "machine", "build_id", "library", "libraries", "git", "timing",
@@ -67,7 +75,8 @@ def canonical(text):
 class Side:
     """One of the two builds and the folder in which its jobs write."""
 
-    def __init__(self, build, folder):
+    def __init__(self, build, folder, pipelines):
+        self.pipelines = pipelines
         self.program = build / "bin" / "weft"
         self.plugins = build / "lib" / "weft" / "plugins"
         self.folder = folder
@@ -81,6 +90,7 @@ class Side:
     def neutral(self, text):
         """Without this side's folders, and without times."""
         for folder, name in ((self.folder, "OUT"), (self.plugins, "PLUGINS"),
+                             (self.pipelines, "PIPELINES"),
                              (self.program.parent, "BIN")):
             text = text.replace(str(folder), name)
         return re.sub(r"\d+(\.\d+)? (ms|s|fps)\b", r"TIME \2", text)
@@ -88,7 +98,7 @@ class Side:
     def job(self, name, verb, file, arguments):
         """Runs it; all that is to be compared, by name."""
         out = self.folder / name
-        code, text, errors = self.weft(verb, ROOT / "pipelines" / file, "--out", out, "--quiet",
+        code, text, errors = self.weft(verb, self.pipelines / file, "--out", out, "--quiet",
                                        *arguments)
         found = {"exit code": str(code), "messages": text + errors}
         if verb == "run":
@@ -155,16 +165,17 @@ def main():
     parser.add_argument("after", type=pathlib.Path)
     parser.add_argument("--work", type=pathlib.Path)
     parser.add_argument("--only", nargs="*")
+    parser.add_argument("--pipelines-before", type=pathlib.Path, default=ROOT / "pipelines")
     options = parser.parse_args()
     work = options.work or pathlib.Path(tempfile.mkdtemp(prefix="weft-compare-"))
     # Folders of names of one length: some formats pad to a multiple of bytes.
-    sides = [Side(options.before.resolve(), work / "1" / "out"),
-             Side(options.after.resolve(), work / "2" / "out")]
+    sides = [Side(options.before.resolve(), work / "1" / "out", options.pipelines_before.resolve()),
+             Side(options.after.resolve(), work / "2" / "out", ROOT / "pipelines")]
     differing = 0
     for name, verb, file, arguments in JOBS:
         if options.only and name not in options.only:
             continue
-        if name == "kinect_paper" and not os.environ.get("WEFT_DATA"):
+        if name in RECORDED and not os.environ.get("WEFT_DATA"):
             print(f"{name:15} skipped: WEFT_DATA is not set")
             continue
         before, after = (side.job(name, verb, file, arguments) for side in sides)

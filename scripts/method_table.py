@@ -35,7 +35,7 @@ COLUMNS = {"solvers_first_test": "FREX, mm", "solvers_folds": "folds, mm",
            "solvers_kinect": "Kinect, mm",
            "solvers_cloth": "cloth, mm", "solvers_curved": "curved, mm", "solvers_times": "ms"}
 # Rows that do not begin with the default start of their solver.
-STARTS = {"particle_sft_flat_start": "`plain_start`"}
+STARTS = {"particle_sft_flat_start": "`initial_guess`"}
 # What the file of figures says of each row in words.
 WORDS = {"settings": "settings", "verified_against": "verified against"}
 # The groups of the table, in this order.

@@ -10,7 +10,7 @@
 
 namespace weft::cli {
 
-/// What all commands share.
+/// State that all commands share.
 struct Context {
   std::vector<std::string> plugin_path;  ///< --plugin-path, in order
   int exit_code = kDone;
@@ -25,6 +25,7 @@ void add_init_command(CLI::App& app, Context& context);
 void add_live_command(CLI::App& app, Context& context);
 void add_bench_command(CLI::App& app, Context& context);
 void add_check_command(CLI::App& app, Context& context);
+void add_migrate_command(CLI::App& app, Context& context);
 void add_plugins_command(CLI::App& app, Context& context);
 void add_eval_command(CLI::App& app, Context& context);
 void add_replay_command(CLI::App& app, Context& context);

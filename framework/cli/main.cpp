@@ -35,6 +35,7 @@ int run_command(const std::vector<std::string>& arguments) {
   weft::cli::add_init_command(app, context);
   weft::cli::add_live_command(app, context);
   weft::cli::add_check_command(app, context);
+  weft::cli::add_migrate_command(app, context);
   weft::cli::add_eval_command(app, context);
   weft::cli::add_ablate_command(app, context);
   weft::cli::add_compare_command(app, context);
@@ -61,7 +62,7 @@ int run_command(const std::vector<std::string>& arguments) {
     weft::cli::print_wrong_words(app, "weft", error);
     return weft::cli::kBadConfiguration;
   } catch (const std::exception& error) {
-    if (std::ferror(stdout) != 0) return weft::cli::kInputOutput;  // said at the end
+    if (std::ferror(stdout) != 0) return weft::cli::kInputOutput;  // reported at the end
     weft::cli::print_error({weft::Errc::io, error.what(), {}});
     return weft::cli::kInputOutput;
   }

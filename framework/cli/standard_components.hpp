@@ -6,7 +6,7 @@
 
 namespace weft::cli {
 
-/// The plugins that this program uses where nothing else says which.
+/// The plugins that this program uses by default.
 inline FileSources standard_sources() {
   return {.images = "sources/images", .matches = "sources/matches", .video = "sources/video"};
 }
@@ -32,13 +32,13 @@ inline StandardFeatures standard_features() {
 /// The pipeline over which `weft track` lays its frames and its object.
 inline const char* tracking_pipeline() { return "demo.yaml"; }
 
-/// What --photo stands for.
+/// Components that --photo stands for.
 inline const char* photo_template() { return "templates/photo"; }
 
 /// The sink whose images a report shows beside the flat print.
 inline const char* unwarping_sink() { return "sinks/unwarped"; }
 
-/// What --flat-reference stands for.
+/// Components that --flat-reference stands for.
 inline const char* registration_pass() { return "passes/flat_reference"; }
 
 }  // namespace weft::cli

@@ -41,7 +41,7 @@ constexpr int kMemory = -3;  ///< one file in memory for both; its supervisor ke
 struct Program {
   std::vector<std::string> words;  ///< its path, or its name in the search path, and its arguments
   std::vector<std::string> settings = {};  ///< "NAME=VALUE", before those of this program
-  int out = kNowhere, err = kNowhere;
+  int out = kNowhere, err = kNowhere;      ///< file descriptors of stdout and stderr
   std::vector<int> files = {};  ///< further open files that it keeps, under the same numbers
   bool own_group = false;  ///< no signal of the terminal reaches it, none is blocked or ignored
 };
@@ -50,8 +50,8 @@ struct Program {
 /// program reads, and returns the exit code.
 struct Copy {
   std::function<int(int pipe)> work;
-  int out = kNowhere, err = kNowhere;
-  std::size_t most_bytes = 64 << 20;  ///< kept of what `work` writes
+  int out = kNowhere, err = kNowhere;  ///< file descriptors of stdout and stderr
+  std::size_t most_bytes = 64 << 20;   ///< kept of what `work` writes
 };
 
 /// A process that this one has started. The destructor ends it.
@@ -107,7 +107,7 @@ class Child {
   };
   /// The files of both streams, and those of them to close once the process has them.
   struct Streams {
-    std::array<int, 2> files{};
+    std::array<int, 2> files{};  ///< [2] file descriptors of stdout and stderr
     std::array<OpenFile, 2> own{};
   };
 

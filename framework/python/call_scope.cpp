@@ -7,8 +7,8 @@
 #include <weft/data/matrix.hpp>
 #include <weft/sdk/solver.hpp>
 
+#include "borrowed_memory.hpp"
 #include "call_object.hpp"
-#include "lent_memory.hpp"
 
 namespace weft::python {
 namespace {
@@ -82,8 +82,8 @@ class PassedRecords {
 CallScope::CallScope(const weft_call& call, const weft_record* inputs, std::uint64_t count)
     : call_(call), inputs_(inputs), input_count_(count), object_(make_call_object(*this)) {}
 
-Ref CallScope::lent(Ref memory) {
-  if (memory) lent_.push_back(Ref::to(memory.get()));
+Ref CallScope::borrowed(Ref memory) {
+  if (memory) borrowed_.push_back(Ref::to(memory.get()));
   return memory;
 }
 
@@ -95,8 +95,8 @@ Ref CallScope::records(const weft_record* records, std::uint64_t count) {
     for (std::uint64_t k = 0; arrays && k < record.count; ++k) {
       const weft_array& array = record.arrays[k];
       if (array.memory == WEFT_DEVICE) continue;
-      const Ref memory = lent(lend(record.slot, array.name, array.data, array.dtype, array.ndim,
-                                   array.shape, array.stride, false));
+      const Ref memory = borrowed(lend(record.slot, array.name, array.data, array.dtype, array.ndim,
+                                       array.shape, array.stride, false));
       const Ref item(memory ? Py_BuildValue("(sO)", array.name, memory.get()) : nullptr);
       if (!item || PyList_Append(arrays.get(), item.get()) != 0) return {};
     }
@@ -111,18 +111,18 @@ Ref CallScope::records(const weft_record* records, std::uint64_t count) {
 
 std::string CallScope::take_back() {
   const auto is_seen = [](const Ref& memory) { return memory_in(memory.get()).views > 0; };
-  auto kept = std::find_if(lent_.begin(), lent_.end(), is_seen);
-  if (kept != lent_.end()) {
+  auto kept = std::find_if(borrowed_.begin(), borrowed_.end(), is_seen);
+  if (kept != borrowed_.end()) {
     PyGC_Collect();  // what nobody can reach is no view
-    kept = std::find_if(kept, lent_.end(), is_seen);
+    kept = std::find_if(kept, borrowed_.end(), is_seen);
   }
   std::string name;
-  if (kept != lent_.end()) {
-    const LentMemory& memory = memory_in(kept->get());
+  if (kept != borrowed_.end()) {
+    const BorrowedMemory& memory = memory_in(kept->get());
     name = std::string(memory.slot) + "/" + memory.name;
   }
-  for (const Ref& memory : lent_) memory_in(memory.get()).is_over = true;
-  lent_.clear();
+  for (const Ref& memory : borrowed_) memory_in(memory.get()).is_over = true;
+  borrowed_.clear();
   if (object_) end_call_object(object_.get());
   object_ = {};
   return name;
@@ -147,8 +147,8 @@ PyObject* CallScope::alloc(PyObject* arguments) {
                                  shape.data());
   if (data == nullptr) Py_RETURN_NONE;
   // The host keeps no names for us, and those of Python may be gone when the call ends.
-  return lent(lend("its outputs", "an array", data, dtype, static_cast<std::int32_t>(ndim),
-                   shape.data(), nullptr, true))
+  return borrowed(lend("its outputs", "an array", data, dtype, static_cast<std::int32_t>(ndim),
+                       shape.data(), nullptr, true))
       .release();
 }
 

@@ -35,13 +35,13 @@ class CallScope {
   const weft_call& call() const { return call_; }
 
  private:
-  Ref lent(Ref memory);
+  Ref borrowed(Ref memory);
 
   const weft_call& call_;
   const weft_record* inputs_;
   std::uint64_t input_count_;
   Ref object_;
-  std::vector<Ref> lent_;
+  std::vector<Ref> borrowed_;
 };
 
 }  // namespace weft::python

@@ -71,7 +71,7 @@ class Table:
                  f"{data}, {{}}}}")
         return (f"{{sizeof(weft_parameter), 0, {value}, {quoted(parameter.unit)}, "
                 f"{quoted(parameter.meaning)}, {number(low)}, {number(high)}, {choices}, "
-                f"{len(parameter.choices)}, {quoted(parameter.role)}, \"\", "
+                f"{len(parameter.choices)}, {quoted(parameter.role)}, {quoted(parameter.was)}, "
                 f"{int(parameter.required)}, 0}}")
 
     def sweep(self, component):

@@ -22,13 +22,13 @@ struct Instance {
 };
 
 /// What weft.bridge answers.
-struct Told {
+struct BridgeAnswer {
   std::int32_t status;
   Error error;  ///< for degenerate its message is the reason
   Ref value;
 };
 
-Told told(const Ref& answer) {
+BridgeAnswer answer_of(const Ref& answer) {
   int status = WEFT_ERROR, code = 0;
   const char* message = nullptr;
   PyObject* value = nullptr;
@@ -38,7 +38,7 @@ Told told(const Ref& answer) {
   return {status, {static_cast<Errc>(code), message}, Ref::to(value)};
 }
 
-std::int32_t say(const Told& answer, weft_error* error) {
+std::int32_t say(const BridgeAnswer& answer, weft_error* error) {
   if (answer.status == WEFT_OK) return WEFT_OK;
   report(answer.error, error);
   return answer.status;
@@ -121,11 +121,11 @@ std::int32_t call_bridge(const weft_call& call, const weft_record* inputs, std::
                          weft_error* error, Ask&& ask) {
   const Gil gil;
   CallScope scope(call, inputs, count);
-  Told answer{WEFT_ERROR, {}, {}};
+  BridgeAnswer answer{WEFT_ERROR, {}, {}};
   {
     const Ref records = scope.inputs();
-    answer =
-        told(records && scope.object() != nullptr ? ask(scope.object(), records.get()) : Ref());
+    answer = answer_of(records && scope.object() != nullptr ? ask(scope.object(), records.get())
+                                                            : Ref());
   }
   answer.value = {};
   const std::string kept = scope.take_back();
@@ -140,8 +140,8 @@ std::int32_t check(void* self, void* context, Mistakes::Report mistake, weft_err
   return detail::guarded(error, [&]() -> std::int32_t {
     const Gil gil;
     const Instance& instance = *static_cast<Instance*>(self);
-    const Told answer =
-        told(Ref(PyObject_CallMethod(instance.bridge, "check", "O", instance.component.get())));
+    const BridgeAnswer answer = answer_of(
+        Ref(PyObject_CallMethod(instance.bridge, "check", "O", instance.component.get())));
     if (answer.status != WEFT_OK) return say(answer, error);
     for (Py_ssize_t i = 0; i < PyList_Size(answer.value.get()); ++i) {
       const char *parameter = nullptr, *message = nullptr;
@@ -156,7 +156,7 @@ std::int32_t check(void* self, void* context, Mistakes::Report mistake, weft_err
 }
 
 constexpr weft_check kCheck{sizeof(weft_check), 0, &check};
-constexpr weft_isolation kApart{sizeof(weft_isolation), 0};
+constexpr weft_isolation kOwnProcess{sizeof(weft_isolation), 0};
 
 }  // namespace
 
@@ -193,8 +193,8 @@ std::int32_t create(const Library& library, const Declaration& declaration, cons
     const Gil gil;
     const Ref given = python_values(with.values, with.count);
     if (!given) return report({Errc::plugin_failure, "threw: " + raised()}, error);
-    Told answer = told(Ref(PyObject_CallMethod(*bridge, "create", "ssO", declaration.module,
-                                               declaration.class_name, given.get())));
+    BridgeAnswer answer = answer_of(Ref(PyObject_CallMethod(
+        *bridge, "create", "ssO", declaration.module, declaration.class_name, given.get())));
     if (answer.status != WEFT_OK) return say(answer, error);
     auto made = std::make_unique<Instance>(Instance{*bridge, std::move(answer.value)});
     *self = made.release();
@@ -233,7 +233,7 @@ const void* extension(const Declaration& declaration, const char* name) {
   const std::string_view asked = name;
   if (asked == WEFT_SWEEP) return declaration.sweep;
   if (asked == WEFT_CHECK) return declaration.checks != 0 ? &kCheck : nullptr;
-  if (asked == WEFT_ISOLATION) return &kApart;
+  if (asked == WEFT_ISOLATION) return &kOwnProcess;
   return nullptr;
 }
 

@@ -13,8 +13,8 @@ struct Source {
   const char* name;  ///< "local_motion", "weft.records"
   const char* file;  ///< as errors name it
   const char* text;
-  int is_package;
-  int is_own;  ///< the author's, not of the package `weft`
+  int is_package;  ///< 0 or 1
+  int is_own;      ///< the author's, not of the package `weft`
 };
 
 /// What the class of a component declares, besides what stands in its weft_component.

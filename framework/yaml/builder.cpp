@@ -279,20 +279,20 @@ void Builder::take_key(Frame& map, Node node, std::size_t offset) {
   map.key_at = node.at;
   map.key_offset = offset;
   if (node.kind != Kind::scalar) {
-    map.node.partial = true;
+    map.node.unclear = true;
     problem(node.at, node.kind == Kind::null ? "a key is missing or null; write a text, or quote it"
                                              : "a key must be a text, not a list or map");
     return;
   }
   if (node.scalar == "<<" && !node.quoted) {
-    map.node.partial = true;
+    map.node.unclear = true;
     problem(node.at, "merge keys ('<<') are not supported; write the keys out");
     return;
   }
   const auto [first, is_new] = map.keys.emplace(node.scalar, node.at);
   if (!is_new) {
     const auto same = [&](const Entry& entry) { return entry.key == node.scalar; };
-    std::find_if(map.node.entries.begin(), map.node.entries.end(), same)->doubtful = true;
+    std::find_if(map.node.entries.begin(), map.node.entries.end(), same)->unclear = true;
     problem(node.at, "duplicate key " + quote(node.scalar) + "; the first is at " +
                          std::to_string(first->second.line) + ":" +
                          std::to_string(first->second.column));

@@ -25,10 +25,10 @@ enum class Form : std::uint8_t {
 /// file and its JSON Schema share.
 struct Key {
   std::string name;
-  std::string help;        ///< half a sentence for who writes the file
-  Form form = Form::text;  ///< of the value
-  std::int64_t low = 0, high = 0;
-  std::vector<std::string> choices = {};
+  std::string help;                       ///< half a sentence for who writes the file
+  Form form = Form::text;                 ///< of the value
+  std::int64_t low = 0, high = 0;         ///< legal range of an integer, inclusive
+  std::vector<std::string> choices = {};  ///< [.] legal words
   std::string part = {};
   std::string fallback = {};  ///< the default as YAML; empty: there is none to tell
   bool required = false;      ///< of a map that is complete, not laid over another one

@@ -20,7 +20,7 @@ bool is_printable(char32_t value);
 
 /// Why a text cannot be parsed, and the byte where.
 struct Fault {
-  std::size_t offset = 0;
+  std::size_t offset = 0;  ///< [bytes] from the beginning of the text
   std::string message;
 };
 

@@ -40,6 +40,9 @@ enum class Kind : std::uint8_t { null, scalar, sequence, map };
 struct Entry;
 
 /// A value. An empty value is null and stands at its key.
+///
+/// What is `unclear`, here and in readers of nodes, is left open by an error that was reported: a
+/// reader does not report what merely follows from it.
 struct Node {
   Kind kind = Kind::null;
   std::string scalar;       ///< the text of a scalar, escapes resolved, UTF-8
@@ -47,7 +50,7 @@ struct Node {
   Position at;              ///< first character; what an alias brought in stands at the alias
   std::vector<Node> items;  ///< of a sequence
   std::vector<Entry> entries;  ///< of a map, in the order of the text, keys unique
-  bool partial = false;  ///< a map of which a key was refused, so that what it lacks is not known
+  bool unclear = false;        ///< a map of which a key was refused: what it lacks is not known
 
   /// The value of `key`, or null when this is no map or has no such key.
   const Node* find(std::string_view key) const;
@@ -59,7 +62,7 @@ struct Entry {
   std::string key;
   Position at;  ///< of the key
   Node value;
-  bool doubtful = false;  ///< the text gives the key again; this is the first value
+  bool unclear = false;  ///< the text gives the key again; this is the first value
 };
 
 /// Says of which text all positions in a node are.

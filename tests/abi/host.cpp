@@ -121,7 +121,7 @@ class Scene {
 
   std::vector<std::string> ids_;
   std::map<std::string, std::unique_ptr<PluginUnderTest>> plugins_;
-  std::map<std::string, HeldRecord> known_;
+  std::map<std::string, HostRecord> known_;
 };
 
 void call_all(Scene& scene) {

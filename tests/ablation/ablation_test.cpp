@@ -248,7 +248,7 @@ TEST_F(Ablation, KeepsTwoProgramsFromOneFolder) {
   EXPECT_THAT(second.error().message, HasSubstr("in use"));
 }
 
-TEST_F(Ablation, TakesResultsOfRebuiltComponentsOnlyWhenTold) {
+TEST_F(Ablation, ReusesResultsOfRebuiltComponentsOnlyWithTheOption) {
   Grid grid = expand("data: {all: {}}\n");
   run(grid, "out");
   const std::string key = grid.cells()[0].identity.key, old_key(32, 'a');

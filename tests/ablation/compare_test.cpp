@@ -128,9 +128,9 @@ TEST_F(PipelinesOfAPlan, AreItsFirstAxisWithTheCellsThatEachHasAlone) {
     for (const Cell& cell : grid.cells()) found.push_back(cell.identity.key);
     return found;
   };
-  std::vector<std::string> apart = keys("near.yaml");
-  for (const std::string& key : keys("far.yaml")) apart.push_back(key);
-  EXPECT_EQ(keys("{near: near.yaml, far: far.yaml}"), apart);
+  std::vector<std::string> separately = keys("near.yaml");
+  for (const std::string& key : keys("far.yaml")) separately.push_back(key);
+  EXPECT_EQ(keys("{near: near.yaml, far: far.yaml}"), separately);
 }
 
 TEST_F(PipelinesOfAPlan, HaveFoldersOfTheirOwn) {

@@ -42,7 +42,7 @@ TEST_F(Identity, IsTheSameForTheSameWork) {
   EXPECT_EQ(once.key.size(), 32U);
 }
 
-TEST_F(Identity, TellsCellsApartByWhatMayChangeTheirResults) {
+TEST_F(Identity, DistinguishesCellsByWhatMayChangeTheirResults) {
   std::set<std::string> keys{of(chain()).key};
   EXPECT_TRUE(keys.insert(of(chain({{"solvers", "{distance_m: 0.5}"}})).key).second);
   EXPECT_TRUE(keys.insert(of(chain({{"sources", "{frames: 4}"}})).key).second);
@@ -130,7 +130,7 @@ TEST_F(Identity, ChangesTheKeysOfTheStagesThatDependOnAChange) {
               ::testing::ElementsAre(kFilter, kWarp, kPass, kSolver));
 }
 
-TEST_F(Identity, KeepsAStageApartFromWhatComesAfterIt) {
+TEST_F(Identity, SeparatesAStageFromLaterStages) {
   const auto line = [&](const std::string& last) {
     return weft::testing::head() +
            "stages:\n  - use: detectors/test.scripted\n  - use: matchers/test.scripted\n"

@@ -136,7 +136,7 @@ TEST_F(Trust, WhatIsNotTheCellsOwnFailureIsNoResult) {
   EXPECT_EQ(lines("out").size(), 1U);
 }
 
-TEST_F(Trust, RunsFailedCellsAgainWhenTold) {
+TEST_F(Trust, RunsFailedCellsAgainWithTheOption) {
   const std::string plan = write_plan(
       "axes:\n  solver: {values: {good: {}, bad: {set: {solvers.error_at: [0]}}}}\n"
       "data: {all: {}}\n");
@@ -166,7 +166,7 @@ TEST_F(Trust, AResultThatWasWithdrawnIsMissingUntilItsCellRanAgain) {
   EXPECT_EQ(read_results(path("out"))->records.cells.size(), 1U);
 }
 
-TEST_F(Trust, NamesEachLineThatWasChangedAndRunsItsCellAgainWhenTold) {
+TEST_F(Trust, ListsEachChangedLineAndRunsItsCellAgainWithTheOption) {
   const std::string plan = write_plan(kTwo);
   ASSERT_EQ(weft({"ablate", plan, "--out", path("out")}).exit_code, 0);
   const std::size_t size = weft::testing::read_lines(file())[1].size();

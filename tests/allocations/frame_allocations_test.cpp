@@ -30,8 +30,8 @@ class FrameAllocations : public testing::PipelineTest {
     auto [pipeline, report] = check(text);
     EXPECT_TRUE(report.ok()) << report.text();
     if (!report.ok()) return {};
-    const auto lane = lane_of(pipeline.config, {});
-    const auto loop = FrameLoop::open(pipeline, **lane);
+    const auto context = context_of(pipeline.config, {});
+    const auto loop = FrameLoop::open(pipeline, **context);
     EXPECT_TRUE(loop) << loop.error().message;
     if (!loop || !(*loop)->open_sinks()) return {};
     std::vector<std::uint64_t> blocks;

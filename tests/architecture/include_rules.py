@@ -47,8 +47,9 @@ INTERNAL = {
     "pipeline/monitor": "core data geometry pipeline/execution",
     "pipeline/steering": "core yaml host/roles host/loading host/calling pipeline/configuration "
     "pipeline/graph pipeline/execution",
+    "pipeline/dumps": "core data host/loading pipeline/configuration pipeline/execution",
     "pipeline/runs": "core data geometry host/roles host/loading pipeline/configuration pipeline/graph "
-    "pipeline/execution pipeline/monitor pipeline/steering",
+    "pipeline/execution pipeline/monitor pipeline/steering pipeline/dumps",
     "pipeline/embedding": "core data embedding host/loading pipeline/runs",
     "pipeline/survey": "core images data geometry sdk yaml host/roles host/loading host/calling "
     "pipeline/execution",
@@ -246,7 +247,7 @@ class Tree:
         for room in ROOMS:
             for folder, folders, names in os.walk(self.root / room):
                 folders[:] = [
-                    d for d in folders if not d.startswith((".", "build", "__pycache__"))
+                    d for d in folders if not d.startswith((".", "build", "__pycache__", "node_modules"))
                 ]
                 for name in names:
                     path = Path(folder) / name

@@ -33,7 +33,7 @@ CLEAN = {
     + '#include "host/loading/registry.hpp"\n#include <boost/dll.hpp>\n'
     + 'const char* help = "std::cout << 1";  // printf("x")\n'
     + "int n = std::snprintf(buffer, 9, format);\ndup2(fd, STDERR_FILENO);\n",
-    ROOMS + "host/calling/lane.hpp": HPP + '#include "host/loading/registry.hpp"\n',
+    ROOMS + "host/calling/execution_context.hpp": HPP + '#include "host/loading/registry.hpp"\n',
     ROOMS + "pipeline/configuration/config.hpp": HPP + '#include "host/loading/registry.hpp"\n',
     ROOMS + "pipeline/graph/graph.hpp": HPP + '#include "pipeline/configuration/config.hpp"\n',
     ROOMS + "pipeline/execution/executor.hpp": HPP + '#include "pipeline/graph/graph.hpp"\n',
@@ -46,7 +46,7 @@ CLEAN = {
     ROOMS + "lab/report/report.hpp": HPP + '#include "lab/results/cell_record.hpp"\n',
     ROOMS + "host/probing/main.cpp": SPDX + "int main() { std::puts(text); }\n",
     ROOMS + "kit/testing/synthetic.cpp": SPDX
-    + '#include <opencv2/core.hpp>\n#include "host/calling/lane.hpp"\n',
+    + '#include <opencv2/core.hpp>\n#include "host/calling/execution_context.hpp"\n',
     ROOMS + "cli/main.cpp": SPDX
     + '#include "lab/report/report.hpp"\nint main() { std::cout << 1; }\n',
     "plugins/filters/near/near.hpp": HPP,
@@ -75,21 +75,21 @@ MISTAKES = {
     "core on data": (INCLUDE + "core/result.hpp", "#include <weft/data/image.hpp>", "core must not"),
     "data on geometry": (INCLUDE + "data/image.hpp", "#include <weft/geometry/mesh.hpp>", "data must"),
     "geometry on sdk": (INCLUDE + "geometry/mesh.hpp", "#include <weft/sdk/filter.hpp>", "geometry"),
-    "sdk on a room": (INCLUDE + "sdk/filter.hpp", '#include "host/calling/lane.hpp"', "sdk must not"),
+    "sdk on a room": (INCLUDE + "sdk/filter.hpp", '#include "host/calling/execution_context.hpp"', "sdk must not"),
     "sdk on testing": (INCLUDE + "sdk/filter.hpp", "#include <weft/testing/contract.hpp>", "sdk must"),
     "an installed test header on a room": (
         INCLUDE + "testing/contract.hpp",
-        '#include "host/calling/lane.hpp"',
+        '#include "host/calling/execution_context.hpp"',
         "testing must not",
     ),
-    "yaml on host": (ROOMS + "yaml/yaml.cpp", '#include "host/calling/lane.hpp"', "yaml must not"),
+    "yaml on host": (ROOMS + "yaml/yaml.cpp", '#include "host/calling/execution_context.hpp"', "yaml must not"),
     "loading on calling": (
         ROOMS + "host/loading/library.cpp",
-        '#include "host/calling/lane.hpp"',
+        '#include "host/calling/execution_context.hpp"',
         "host/loading must not",
     ),
     "host on pipeline": (
-        ROOMS + "host/calling/lane.hpp",
+        ROOMS + "host/calling/execution_context.hpp",
         '#include "pipeline/graph/graph.hpp"',
         "host/calling must not",
     ),

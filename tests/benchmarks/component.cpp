@@ -23,16 +23,16 @@ Component::Component(const std::string& id, const std::string& params, const Tem
       host::resolve_component(registry_, *document.root.find("use"), document.root.find("params"),
                               host::PathRules::of_process({"/"}, "/tmp"), problems);
   if (!spec_) throw std::runtime_error(id + ": " + problems.front().message);
-  instance_ = need(lane_.instantiate(*spec_, id));
-  const auto ready = lane_.prepare(*instance_, *record_of(templ), *record_of(camera));
+  instance_ = need(context_.instantiate(*spec_, id));
+  const auto ready = context_.prepare(*instance_, *record_of(templ), *record_of(camera));
   if (!ready) throw std::runtime_error(id + ": " + ready.error().message);
 }
 
 host::Outcome Component::call(const host::NamedRecords& inputs, int method) {
   std::vector<weft_record> views;
   for (const auto& [slot, record] : inputs) views.push_back(record->view(slot.c_str()));
-  host::Outcome outcome = lane_.call(*instance_, method, views, 0);
-  lane_.take_timings();
+  host::Outcome outcome = context_.call(*instance_, method, views, 0);
+  context_.times().take();
   if (!outcome.usable()) throw std::runtime_error(outcome.error.message);
   return outcome;
 }

@@ -7,7 +7,7 @@
 #include <weft/data/template.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 
-#include "host/calling/lane.hpp"
+#include "host/calling/execution_context.hpp"
 #include "host/records/npz.hpp"
 
 namespace weft::bench {
@@ -30,7 +30,7 @@ class Component {
 
  private:
   host::Registry registry_;
-  host::Lane lane_{1, {}};
+  host::ExecutionContext context_{1, {}};
   std::optional<host::ComponentSpec> spec_;
   host::Instance* instance_ = nullptr;
 };

@@ -39,7 +39,7 @@ double since(Clock::time_point start) {
 }
 
 /// Components that do next to nothing, here or in workers.
-class IdleLane {
+class IdleContext {
  public:
   host::Instance& make(const std::string& id, const std::string& params,
                        const host::Isolation* isolation = nullptr) {
@@ -50,24 +50,24 @@ class IdleLane {
                                              host::PathRules::of_process({"/"}, "/tmp"), problems));
     if (!specs_.back()) throw std::runtime_error(id + ": " + problems.front().message);
     host::Instance& made =
-        *need(isolation != nullptr ? lane.instantiate_isolated(*specs_.back(), id, *isolation)
-                                   : lane.instantiate(*specs_.back(), id));
+        *need(isolation != nullptr ? context.instantiate_isolated(*specs_.back(), id, *isolation)
+                                   : context.instantiate(*specs_.back(), id));
     const SheetScene scene;
-    const auto ready = lane.prepare(made, *record_of(scene.templ), *record_of(scene.camera));
+    const auto ready = context.prepare(made, *record_of(scene.templ), *record_of(scene.camera));
     if (!ready) throw std::runtime_error(id + ": " + ready.error().message);
     return made;
   }
 
-  /// An image as a source of this lane leaves it.
+  /// An image as a source of this execution context leaves it.
   host::RecordPtr image(std::int64_t width, std::int64_t height) {
-    const auto record = host::Record::make(Image::kType, lane.memory(), arena_);
+    const auto record = host::Record::make(Image::kType, context.memory(), arena_);
     Image typed;
     typed.pixels = Array<std::uint8_t>({height, width}, 7);
     auto done = write_record(
         typed, [&](const char* name, std::int32_t dtype, int ndim, const std::int64_t* shape) {
           return record->allocate(name, dtype, ndim, shape);
         });
-    if (done) done = lane.admit(*record, "image");
+    if (done) done = context.admit(*record, "image");
     if (!done) throw std::runtime_error(done.error().message);
     return record;
   }
@@ -78,10 +78,10 @@ class IdleLane {
   std::shared_ptr<host::SharedArena> arena_ = need(host::SharedArena::create());
 
  public:
-  host::Lane lane{1, {}, arena_};
+  host::ExecutionContext context{1, {}, arena_};
 };
 
-host::Isolation apart() { return {WEFT_WORKER, {}}; }
+host::Isolation isolated() { return {WEFT_WORKER, {}}; }
 
 /// What a call would be without a contract.
 struct Callee {
@@ -95,7 +95,7 @@ struct Nothing final : Callee {
 /// A warm call of a component that does nothing, with its timing, beside a virtual function.
 void warm_call(benchmark::State& state) {
   constexpr int kCalls = 64;
-  IdleLane idle;
+  IdleContext idle;
   host::Instance& sink = idle.make("sinks/bench.nothing", "{}");
   const auto time = record_of(Time{0.5});
   const weft_record inputs[] = {time->view("time")};
@@ -116,11 +116,11 @@ void warm_call(benchmark::State& state) {
     const std::uint64_t before = host::allocations_of_process().blocks;
     start = Clock::now();
     for (int i = 0; i < kCalls; ++i) {
-      benchmark::DoNotOptimize(idle.lane.call(sink, 1, inputs, 0));
+      benchmark::DoNotOptimize(idle.context.call(sink, 1, inputs, 0));
     }
     calls_ns.push_back(since<std::chrono::nanoseconds>(start) / kCalls);
     allocated = host::allocations_of_process().blocks - before;
-    idle.lane.take_timings(0);
+    idle.context.times().take(0);
   }
   state.counters["call_ns"] = median(calls_ns);
   state.counters["virtual_ns"] = median(virtual_ns);
@@ -131,15 +131,15 @@ void warm_call(benchmark::State& state) {
 
 /// A detector that reads one row of an image of 640x480, here and in a worker.
 void hop(benchmark::State& state) {
-  IdleLane idle;
-  const host::Isolation isolation = apart();
+  IdleContext idle;
+  const host::Isolation isolation = isolated();
   host::Instance& near = idle.make("detectors/bench.glance", "{}");
   host::Instance& far = idle.make("detectors/bench.glance", "{}", &isolation);
   const auto image = idle.image(640, 480);
   const weft_record inputs[] = {image->view("image")};
   const auto once = [&](host::Instance& instance) {
     const auto start = Clock::now();
-    const host::Outcome outcome = idle.lane.call(instance, 0, inputs, 0);
+    const host::Outcome outcome = idle.context.call(instance, 0, inputs, 0);
     const double us = since<std::chrono::microseconds>(start);
     if (outcome.status != WEFT_OK) throw std::runtime_error(outcome.error.message);
     return us;
@@ -149,7 +149,7 @@ void hop(benchmark::State& state) {
   for (auto each : state) {
     near_us.push_back(once(near));
     far_us.push_back(once(far));
-    idle.lane.take_timings(0);
+    idle.context.times().take(0);
   }
   state.counters["here_us"] = median(near_us);
   state.counters["apart_us"] = median(far_us);
@@ -160,8 +160,8 @@ void hop(benchmark::State& state) {
 
 /// From the call in which the worker dies to the next answer.
 void death(benchmark::State& state, int prepare_ms, bool keeps_spare) {
-  IdleLane idle;
-  host::Isolation isolation = apart();
+  IdleContext idle;
+  host::Isolation isolation = isolated();
   isolation.keeps_spare = keeps_spare;
   host::Instance& far =
       idle.make("detectors/bench.glance",
@@ -170,15 +170,15 @@ void death(benchmark::State& state, int prepare_ms, bool keeps_spare) {
   const weft_record inputs[] = {image->view("image")};
   std::vector<double> ms;
   for (auto each : state) {
-    idle.lane.call(far, 0, inputs, 0);
+    idle.context.call(far, 0, inputs, 0);
     // So long the worker lived; a spare is there by now.
     std::this_thread::sleep_for(std::chrono::milliseconds(2 * prepare_ms + 100));
     const auto start = Clock::now();
-    const bool died = idle.lane.call(far, 0, inputs, 1).status == WEFT_ERROR;
-    const bool answered = idle.lane.call(far, 0, inputs, 2).status == WEFT_OK;
+    const bool died = idle.context.call(far, 0, inputs, 1).status == WEFT_ERROR;
+    const bool answered = idle.context.call(far, 0, inputs, 2).status == WEFT_OK;
     ms.push_back(since<std::chrono::milliseconds>(start));
     if (!died || !answered) throw std::runtime_error("the worker did not die, or not once");
-    idle.lane.take_timings();
+    idle.context.times().take();
   }
   state.counters["answer_ms"] = median(ms);
   state.counters["answer_max_ms"] = percentile(ms, 100.0);

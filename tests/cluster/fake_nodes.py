@@ -88,24 +88,24 @@ class Nodes:
 
     def _next(self) -> tuple[Path | None, str]:
         for job in self._jobs():
-            told = json.loads((job / "job.json").read_text())
-            before = self.folder / "jobs" / told["after"]
-            if told["after"] and {"PENDING", "RUNNING"} & set(self._states(before)):
+            options = json.loads((job / "job.json").read_text())
+            before = self.folder / "jobs" / options["after"]
+            if options["after"] and {"PENDING", "RUNNING"} & set(self._states(before)):
                 continue
-            for task in told["tasks"]:
+            for task in options["tasks"]:
                 if (job / f"{task}.state").read_text() == "PENDING":
                     return job, task
         return None, ""
 
     def _run(self, job: Path, task: str, kind: str, after_s: float) -> str:
-        told = json.loads((job / "job.json").read_text())
+        options = json.loads((job / "job.json").read_text())
         environment = self.environment | {"SLURM_JOB_ID": job.name}
         if task != "alone":
             environment |= {"SLURM_ARRAY_JOB_ID": job.name, "SLURM_ARRAY_TASK_ID": task}
-        output = told["output"].replace("%a", task).replace("%%", "%")
-        mode = "ab" if told["open-mode"] == "append" else "wb"
+        output = options["output"].replace("%a", task).replace("%%", "%")
+        mode = "ab" if options["open-mode"] == "append" else "wb"
         with open(output, mode) as log:
-            process = subprocess.Popen(["/bin/sh", told["script"]], cwd=told["chdir"],
+            process = subprocess.Popen(["/bin/sh", options["script"]], cwd=options["chdir"],
                                        env=environment, stdin=subprocess.DEVNULL, stdout=log,
                                        stderr=log, start_new_session=True)
         until = time.monotonic() + (after_s if kind else PATIENCE_S)

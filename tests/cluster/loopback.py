@@ -109,10 +109,10 @@ class Loopback:
         # Daemons keep what they inherit open, so that nothing may be a pipe.
         answer = self.folder / "answer.txt"
         with open(answer, "w") as file:
-            told = subprocess.run(words, stdin=subprocess.DEVNULL, stdout=file,
+            outcome = subprocess.run(words, stdin=subprocess.DEVNULL, stdout=file,
                                   stderr=subprocess.STDOUT, timeout=PATIENCE_S)
         text = answer.read_text(errors="replace")
-        if check and told.returncode != 0:
+        if check and outcome.returncode != 0:
             raise RuntimeError(f"{' '.join(words)}: {text}")
         return text
 

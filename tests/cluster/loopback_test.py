@@ -40,16 +40,16 @@ def check(holds: bool, what: str) -> None:
 class Trial:
     def __init__(self, slurm: Loopback, planned: Planned) -> None:
         self.slurm, self.planned = slurm, planned
-        told = planned.ask("out00", "--quiet", "--jobs", "2")
-        check(told.code == 0, told.text)
+        outcome = planned.ask("out00", "--quiet", "--jobs", "2")
+        check(outcome.code == 0, outcome.text)
         self.expected, self.cells = planned.results("out00"), planned.cells("out00")
         self.all_done = re.search(r"\d+ done, 0 failed, 0 left", planned.ask("out00", "--status").out)[0]
         self.done: dict[str, int] = {}
 
     def submit(self, out: str, *arguments: str) -> str:
-        told = self.planned.submit(out, *arguments)
-        check(told.code == 0, told.text)
-        return told.out
+        outcome = self.planned.submit(out, *arguments)
+        check(outcome.code == 0, outcome.text)
+        return outcome.out
 
     def check_whole(self, out: str) -> None:
         said = self.submit(out)
@@ -74,8 +74,8 @@ class Trial:
         """Tables are those of the local engine, and a summary is written."""
         said = self.submit("out01", "--partition", "main")
         check(f"{CELLS} cells in {TASKS} tasks" in said, said)
-        told = self.planned.submit("out01", "--status")
-        check("cells are on their way" in told.out, told.text)
+        outcome = self.planned.submit("out01", "--status")
+        check("cells are on their way" in outcome.out, outcome.text)
         self.wait()
         summary = self.planned.folder / "out01/slurm/000001/summary.txt"
         check(f"{CELLS} done" in summary.read_text(), summary.read_text())
@@ -97,8 +97,8 @@ class Trial:
         """What is finished stays, and the rest can be submitted again."""
         self.submit("out03")
         time.sleep(2.0)
-        told = self.planned.submit("out03", "--cancel")
-        check("tasks ended" in told.out, told.text)
+        outcome = self.planned.submit("out03", "--cancel")
+        check("tasks ended" in outcome.out, outcome.text)
         before = self.planned.finished("out03")
         self.wait()
         now = self.planned.finished("out03")
@@ -108,8 +108,8 @@ class Trial:
         self.check_whole("out03")
 
     def refused(self) -> None:
-        told = self.planned.submit("out04", "--partition", "mani")
-        check(told.code == 2 and "did you mean 'main'?" in told.err, told.text)
+        outcome = self.planned.submit("out04", "--partition", "mani")
+        check(outcome.code == 2 and "did you mean 'main'?" in outcome.err, outcome.text)
 
     def disturb(self, random: Random) -> bool:
         """One thing at random; False where there was nothing to be killed."""

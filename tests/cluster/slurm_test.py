@@ -47,9 +47,9 @@ class SlurmTest(unittest.TestCase):
         program = Program(OPTIONS.weft, [str(cls.plugins)])
         cls.planned = Planned(program, cls.folder, cls.frame_ms)
         cls.out, cls.outs = "out00", 0  # names of one length: tables are aligned
-        told = cls.planned.ask(cls.out, "--quiet")
-        assert told.code == 0, told.text
-        cls.local_s = told.ms / 1000.0
+        outcome = cls.planned.ask(cls.out, "--quiet")
+        assert outcome.code == 0, outcome.text
+        cls.local_s = outcome.ms / 1000.0
         cls.expected = cls.planned.results(cls.out)
 
     @classmethod
@@ -69,14 +69,14 @@ class SlurmTest(unittest.TestCase):
         self.nodes = Nodes(queue, dict(os.environ))
 
     def submit(self, *arguments: str) -> str:
-        told = self.planned.submit(self.out, *arguments)
-        self.assertEqual(told.code, 0, told.text)
-        return told.out
+        outcome = self.planned.submit(self.out, *arguments)
+        self.assertEqual(outcome.code, 0, outcome.text)
+        return outcome.out
 
     def status(self, *arguments: str) -> str:
-        told = self.planned.submit(self.out, "--status", *arguments)
-        self.assertIn(told.code, (0, 1), told.text)
-        return told.out
+        outcome = self.planned.submit(self.out, "--status", *arguments)
+        self.assertIn(outcome.code, (0, 1), outcome.text)
+        return outcome.out
 
     def assert_kept(self, before: dict[str, object]) -> dict[str, object]:
         """What was finished is still there; returns what is now."""
@@ -85,9 +85,9 @@ class SlurmTest(unittest.TestCase):
         return now
 
     def assert_whole(self) -> None:
-        told = self.planned.submit(self.out)
-        self.assertEqual(told.code, 0, told.text)
-        self.assertIn(f"{CELLS} done, 0 failed, 0 left", told.out)
+        outcome = self.planned.submit(self.out)
+        self.assertEqual(outcome.code, 0, outcome.text)
+        self.assertIn(f"{CELLS} done, 0 failed, 0 left", outcome.out)
         self.assertEqual(differing(self.planned.results(self.out), self.expected), [])
 
 
@@ -108,16 +108,16 @@ class GivesTheTablesOfTheLocalEngine(SlurmTest):
         self.assert_whole()
 
     def test_after_some_cells_were_run_here_with_the_options_of_the_plan(self) -> None:
-        told = self.planned.ask(self.out, "--quiet", "--without", "every.4")
-        self.assertEqual(told.code, 0, told.text)
+        outcome = self.planned.ask(self.out, "--quiet", "--without", "every.4")
+        self.assertEqual(outcome.code, 0, outcome.text)
         self.assertTrue((self.folder / self.out / "index.sqlite").exists())
         plan = self.folder / "with_cluster.yaml"
         plan.write_text((self.folder / "plan.yaml").read_text() + "cluster: {partition: gpu, "
                         "sbatch: [--mem=4G], chunk_minutes: 1, cell_seconds: 60}\n")
-        told = self.planned.program.ask(self.folder, "ablate", plan.name, "--out", self.out,
+        outcome = self.planned.program.ask(self.folder, "ablate", plan.name, "--out", self.out,
                                         "--engine", "slurm", "--set", "cluster.cell_seconds=30",
                                         "--sbatch=--time=10", "--jobs", "2")
-        self.assertIn("job 1: 4 cells in 1 task", told.out, told.err)
+        self.assertIn("job 1: 4 cells in 1 task", outcome.out, outcome.err)
         job = (self.folder / f"queue_{self.out}/jobs/1/job.json").read_text()
         for option in ('"partition": "gpu"', '"mem": "4G"', '"time": "10"', '"cpus-per-task": "2"'):
             self.assertIn(option, job)
@@ -169,7 +169,7 @@ class SurvivesWhateverBecomesOfTasks(SlurmTest):
         print(f"{rounds} submissions, {self.planned.lines(self.out)} lines, {killer.done}")
         self.assert_whole()
 
-    def test_a_task_that_ended_early_is_told_and_only_its_cells_run_again(self) -> None:
+    def test_a_task_that_ended_early_is_reported_and_only_its_cells_run_again(self) -> None:
         self.submit()
         self.nodes.run(Killer(Random(1), share=1.0, longest_s=0.0, kinds=("lost",)), most=1)
         self.nodes.run()
@@ -183,20 +183,20 @@ class RunsACellOnce(SlurmTest):
     frame_ms = 10
 
     def test_in_spite_of_two_submissions_at_once(self) -> None:
-        told = []
-        threads = [threading.Thread(target=lambda: told.append(self.planned.submit(self.out)))
+        outcome = []
+        threads = [threading.Thread(target=lambda: outcome.append(self.planned.submit(self.out)))
                    for _ in range(2)]
         for thread in threads:
             thread.start()
         for thread in threads:
             thread.join()
-        for each in [each for each in told if "is in use by another" in each.err]:
-            told[told.index(each)] = self.planned.submit(self.out)  # it had no more patience
-        self.assertEqual([each.code for each in told], [0, 0], [each.text for each in told])
+        for each in [each for each in outcome if "is in use by another" in each.err]:
+            outcome[outcome.index(each)] = self.planned.submit(self.out)  # it had no more patience
+        self.assertEqual([each.code for each in outcome], [0, 0], [each.text for each in outcome])
         keys = [key for task in self.planned.tasks(self.out) for key in task]
         self.assertEqual(len(keys), CELLS)
         self.assertEqual(len(set(keys)), CELLS)
-        self.assertTrue(any(f"{CELLS} cells wait or run already" in each.out for each in told))
+        self.assertTrue(any(f"{CELLS} cells wait or run already" in each.out for each in outcome))
 
     def test_or_counts_it_once_where_submissions_cannot_see_each_other(self) -> None:
         self.submit()
@@ -224,9 +224,9 @@ class CopesWithTheHabitsOfSites(SlurmTest):
         self.assertIn(f"{CELLS} cells wait or run already", self.submit(*arguments))
         self.assertEqual(len(self.planned.tasks(self.out)), TASKS)
         self.nodes.run()
-        told = self.planned.submit(self.out, *arguments)
-        self.assertEqual(told.code, 0, told.text)
-        self.assertIn(f"{CELLS} done, 0 failed, 0 left", told.out)
+        outcome = self.planned.submit(self.out, *arguments)
+        self.assertEqual(outcome.code, 0, outcome.text)
+        self.assertIn(f"{CELLS} done, 0 failed, 0 left", outcome.out)
 
     def test_that_print_lines_of_their_own(self) -> None:
         self.site("talks")
@@ -249,8 +249,8 @@ class CopesWithTheHabitsOfSites(SlurmTest):
     def test_and_cancels_on_the_cluster_of_the_job(self) -> None:
         self.site("clusters")
         self.submit("--sbatch=--clusters=nautilus")
-        told = self.planned.submit(self.out, "--cancel")
-        self.assertIn(f"{TASKS} tasks ended", told.out, told.err)
+        outcome = self.planned.submit(self.out, "--cancel")
+        self.assertIn(f"{TASKS} tasks ended", outcome.out, outcome.err)
         self.assertIn("0 tasks run, 0 wait, 6 ended", self.status())
 
     def test_where_the_number_of_a_job_is_lost(self) -> None:
@@ -261,10 +261,10 @@ class CopesWithTheHabitsOfSites(SlurmTest):
             self.site()
             self.assert_known_until_it_is_done()
 
-    def test_where_nobody_says_whether_a_job_is_queued(self) -> None:
+    def test_where_it_is_unknown_whether_a_job_is_queued(self) -> None:
         self.site("loses")
-        told = self.planned.submit(self.out)  # its queue can be read before
-        self.assertEqual(told.code, 0, told.text)
+        outcome = self.planned.submit(self.out)  # its queue can be read before
+        self.assertEqual(outcome.code, 0, outcome.text)
         self.setUp()
         self.site("mute")
         squeue = self.folder / "bin/squeue"
@@ -274,12 +274,12 @@ class CopesWithTheHabitsOfSites(SlurmTest):
                           "echo 'slurm_load_jobs error: Unable to contact slurm controller' >&2\n")
         squeue.chmod(0o755)
         try:
-            told = self.planned.submit(self.out)
+            outcome = self.planned.submit(self.out)
         finally:
             squeue.unlink()
             squeue.symlink_to(fake)
-        self.assertEqual(told.code, 3, told.text)
-        self.assertRegex(told.err, "sbatch named no job; .* the job may be queued as weft-")
+        self.assertEqual(outcome.code, 3, outcome.text)
+        self.assertRegex(outcome.err, "sbatch named no job; .* the job may be queued as weft-")
         self.site()
         self.assert_known_until_it_is_done()
 
@@ -292,9 +292,9 @@ class CopesWithTheHabitsOfSites(SlurmTest):
     def test_whose_controller_is_out_of_reach(self) -> None:
         self.submit()
         self.site("down")
-        told = self.planned.submit(self.out)
-        self.assertEqual(told.code, 3, told.text)
-        self.assertIn("Socket timed out", told.err)
+        outcome = self.planned.submit(self.out)
+        self.assertEqual(outcome.code, 3, outcome.text)
+        self.assertIn("Socket timed out", outcome.err)
         self.assertEqual(len(self.planned.tasks(self.out)), TASKS, "nothing is submitted again")
         self.site()
         self.assert_known_until_it_is_done()
@@ -313,11 +313,11 @@ class Cancels(SlurmTest):
             while not (self.folder / "gate.arrived").exists():
                 time.sleep(0.01)
             self.assertRegex(self.status(), r"[12] tasks? run, [23] wait, 2 ended; 8 cells are on ")
-            told = self.planned.submit(self.out, "--cancel")
+            outcome = self.planned.submit(self.out, "--cancel")
         finally:
             gate.unlink()
             nodes.join()
-        self.assertRegex(told.out, r"4 tasks ended; run again", told.err)
+        self.assertRegex(outcome.out, r"4 tasks ended; run again", outcome.err)
         self.assert_kept(before)
         self.assertIn("0 tasks run, 0 wait, 6 ended; 0 cells are on their way", self.status())
         self.submit()
@@ -327,11 +327,11 @@ class Cancels(SlurmTest):
 
 class SaysWhatIsWrong(SlurmTest):
     def refused(self, code: int, *arguments: str, out: str = "") -> str:
-        told = self.planned.submit(out or self.out, *arguments)
-        self.assertEqual(told.code, code, told.text)
-        self.assertEqual(told.dirt(), "")
+        outcome = self.planned.submit(out or self.out, *arguments)
+        self.assertEqual(outcome.code, code, outcome.text)
+        self.assertEqual(outcome.dirt(), "")
         self.assertFalse(list(self.folder.glob(f"queue_{self.out}/jobs/*")), "nothing is submitted")
-        return told.err
+        return outcome.err
 
     def test_before_it_submits(self) -> None:
         self.assertIn("Slurm has no partition 'man'; did you mean 'main'?",
@@ -353,17 +353,17 @@ class SaysWhatIsWrong(SlurmTest):
         return str(empty)
 
     def test_in_a_plan_and_on_the_command_line(self) -> None:
-        told = self.planned.ask(self.out, "--partition", "main")
-        self.assertEqual(told.code, 2)
-        self.assertIn("need --engine slurm", told.err)
+        outcome = self.planned.ask(self.out, "--partition", "main")
+        self.assertEqual(outcome.code, 2)
+        self.assertIn("need --engine slurm", outcome.err)
         for cluster, message in (("{partitio: main}", "did you mean 'partition'"),
                                  ("{sbatch: [mem]}", "begins with a dash"),
                                  ("{chunk_minutes: 0}", "must be above 0")):
             plan = self.folder / "wrong.yaml"
             plan.write_text((self.folder / "plan.yaml").read_text() + f"cluster: {cluster}\n")
-            told = self.planned.program.ask(self.folder, "check", plan.name)
-            self.assertEqual(told.code, 2)
-            self.assertRegex(told.err, r"wrong.yaml:\d+:\d+: .*" + message)
+            outcome = self.planned.program.ask(self.folder, "check", plan.name)
+            self.assertEqual(outcome.code, 2)
+            self.assertRegex(outcome.err, r"wrong.yaml:\d+:\d+: .*" + message)
 
     def test_of_a_task_that_slurm_holds_back(self) -> None:
         self.submit()

@@ -155,8 +155,9 @@ TEST_F(GpuPipeline, DescriptorsReachTheHostOnlyForThoseWhoReadThemThere) {
 }
 
 TEST_F(GpuPipeline, StagesInProcessesOfTheirOwnAnswerTheSameToTheByte) {
-  const Ended apart = run(kGpu, "apart", {"detectors.isolate=process", "matchers.isolate=process"});
-  ASSERT_EQ(apart.exit_code, 0) << apart.err;
+  const Ended isolated =
+      run(kGpu, "apart", {"detectors.isolate=process", "matchers.isolate=process"});
+  ASSERT_EQ(isolated.exit_code, 0) << isolated.err;
   expect_the_same_frames("apart", "gpu");
 }
 
@@ -184,7 +185,7 @@ TEST_F(GpuPipeline, WithoutADeviceIsRefusedBeforeTheFirstFrame) {
   EXPECT_THAT(doctor.out, HasSubstr("none for detectors/sift_gpu, matchers/gpu"));
 }
 
-TEST_F(GpuPipeline, WithoutADeviceFallsBackWhereToldToAndSaysSoInEveryFrame) {
+TEST_F(GpuPipeline, WithoutADeviceFallsBackWhereConfiguredAndReportsItInEveryFrame) {
   const Ended done = run(WEFT_PIPELINES "/robusft_gpu_if_any.yaml", "run", {}, kNoDriver);
   ASSERT_EQ(done.exit_code, 0) << done.err;
   for (const std::string stage : {"detectors", "matchers"}) {

@@ -57,7 +57,7 @@ PARAMETERS: dict[str, dict[str, Parameter]] = {
 }
 
 ALL_PARAMETERS: dict[str, list[str]] = {
-    component: [*known, "error_at", "throw_at", "wrong_length_at", "wrong_size_at", "warp", "start",
+    component: [*known, "error_at", "throw_at", "wrong_length_at", "wrong_size_at", "warp", "initial_guess",
                 "image_shift_px", "short_samples_at", "bad_vertex_at", "bad_state_at", "path", "sleep_ms",
                 "refuse_finish"]
     for component, known in PARAMETERS.items()}
@@ -86,7 +86,7 @@ def component(rng: Random, use: str, **more: object) -> dict:
 def chain(rng: Random) -> list[dict]:
     """Detector, matcher, filter, warp, pass, solver; every reader says what it reads."""
     filtered = {"params": {"warp": {"use": "warps/test.scripted", "params": {"nan_at": []}}}}
-    solver = {"params": {"start": {"use": "solvers/test.scripted", "params": {"distance_m": 0.3}}}}
+    solver = {"params": {"initial_guess": {"use": "solvers/test.scripted", "params": {"distance_m": 0.3}}}}
     return [
         component(rng, "detectors/test.scripted"),
         component(rng, "matchers/test.scripted", **{"as": "pairs"}),

@@ -103,8 +103,8 @@ class Judge:
         if answer.code == self.codes[case.victim]:
             return self.differs(case, victim, folder)  # it says that nothing was cut
         starved = case.kind not in UNHARMED
-        told = answer.code in victim.stopped_codes and answer.err.strip()
-        return "" if starved and told else f"exit {answer.code}: {answer.text[:200]}"
+        reported = answer.code in victim.stopped_codes and answer.err.strip()
+        return "" if starved and reported else f"exit {answer.code}: {answer.text[:200]}"
 
     def after(self, case: Case, victim: Ablation | Run, kept: dict, folder: Path) -> list[str]:
         """What is wrong with what was left, and with going on from there."""

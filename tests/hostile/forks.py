@@ -24,7 +24,7 @@ from program import Answer, Program
 from victims import BASE, PLAN, STAGES
 
 # What is said of each.
-DEEDS = {"leave": "signal 6", "leave_session": "signal 6", "fork_twice": "",
+ACTIONS = {"leave": "signal 6", "leave_session": "signal 6", "fork_twice": "",
          "multiply": "started more than 256 processes"}
 PLACES = ("process", "create", "prepare")
 COMMANDS = ("run", "ablate", "check")
@@ -57,16 +57,16 @@ def ask(program: Program, folder: Path, command: str, params: str) -> Answer:
     return program.ask(folder, *words)
 
 
-def faults_of(program: Program, folder: Path, command: str, deed: str, place: str,
+def faults_of(program: Program, folder: Path, command: str, action: str, place: str,
               name: str) -> list[str]:
-    answer = ask(program, folder, command, f"deed: {deed}, where: {place}, child: {name}")
+    answer = ask(program, folder, command, f"deed: {action}, where: {place}, child: {name}")
     faults = ["hangs"] if answer.hung else []
     if answer.code < 0:
         faults.append(f"killed by signal {-answer.code}")
-    if DEEDS[deed] not in answer.text and not any(
-            DEEDS[deed] in file.read_text(errors="replace")
+    if ACTIONS[action] not in answer.text and not any(
+            ACTIONS[action] in file.read_text(errors="replace")
             for file in folder.glob("out/**/*.jsonl")):
-        faults.append(f"does not say {DEEDS[deed]!r}: {answer.text[-300:]}")
+        faults.append(f"does not say {ACTIONS[action]!r}: {answer.text[-300:]}")
     end = time.monotonic() + 10.0  # a copy of the program that ends by itself
     while living(name) and time.monotonic() < end:
         time.sleep(0.05)
@@ -84,17 +84,17 @@ def main(words: list[str]) -> int:
     parser.add_argument("--count", type=int, default=12, help="forks, up to 36")
     arguments = parser.parse_args(words)
     program = Program(arguments.weft, arguments.plugin_path)
-    every = list(itertools.product(COMMANDS, DEEDS, PLACES))
+    every = list(itertools.product(COMMANDS, ACTIONS, PLACES))
     Random(arguments.seed).shuffle(every)
     print(f"seed {arguments.seed}, {min(arguments.count, len(every))} forks")
     failed = 0
     with tempfile.TemporaryDirectory(prefix="weft-forks-") as scratch:
-        for index, (command, deed, place) in enumerate(every[:arguments.count]):
+        for index, (command, action, place) in enumerate(every[:arguments.count]):
             folder = Path(scratch) / str(index)
             folder.mkdir()
             name = f"f{os.getpid()}_{index}"
-            for fault in faults_of(program, folder, command, deed, place, name):
-                print(f"{command}, {deed} in {place}: {fault}")
+            for fault in faults_of(program, folder, command, action, place, name):
+                print(f"{command}, {action} in {place}: {fault}")
                 failed += 1
     print(f"{failed} faults")
     return 1 if failed else 0

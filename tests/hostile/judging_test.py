@@ -67,7 +67,7 @@ class Judging(unittest.TestCase):
 
 
 class Documents(unittest.TestCase):
-    def test_know_where_each_value_stands(self) -> None:
+    def test_know_the_place_of_each_value(self) -> None:
         for seed in range(50):
             rng = Random(seed)
             root = bases.pipeline(rng)

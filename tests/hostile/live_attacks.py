@@ -236,9 +236,9 @@ class Attacks:
         if rng.random() < 0.3:
             return rng.choice(control)
         # None that pauses or ends the run.
-        wish = rng.choices(["dance", "set nothing.at_all=1", "set filters.every=-5"], [8, 1, 1])[0]
+        change = rng.choices(["dance", "set nothing.at_all=1", "set filters.every=-5"], [8, 1, 1])[0]
         said = rng.choice([{"type": "ready"}, {"type": "wish", "number": rng.randrange(9),
-                                               "text": wish}])
+                                               "text": change}])
         if protocol in (FOXGLOVE, SDK):
             subscription = {"id": rng.randrange(9), "channelId": rng.randrange(7)}
             said = rng.choice([{"op": "subscribe", "subscriptions": [subscription]},

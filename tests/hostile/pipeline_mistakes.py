@@ -124,7 +124,7 @@ def absent_path(rng: Random, part: Map) -> Planted | None:
 
 
 def nested(part: Map) -> Map | None:
-    for name in ("warp", "start"):
+    for name in ("warp", "initial_guess"):
         found = params_of(part).find(name)
         if found is not None:
             return found
@@ -194,8 +194,8 @@ def deep_nested(rng: Random, part: Map) -> Planted | None:
         return None
     inner = tree({"use": "solvers/test.scripted", "params": {"distance_m": 0.3}})
     holder = Map([(Text("use"), Text("solvers/test.holder")),
-                  (Text("params"), Map([(Text("start"), inner)]))])
-    put_value(params_of(part), "start", holder)
+                  (Text("params"), Map([(Text("initial_guess"), inner)]))])
+    put_value(params_of(part), "initial_guess", holder)
     return rng.choice([wrong_parameter, misspelt_parameter, unknown_parameter, misspelt_id])(rng, inner)
 
 

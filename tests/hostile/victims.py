@@ -89,8 +89,8 @@ class Ablation:
                 found[name] = json.dumps(line, sort_keys=True)
             else:
                 found[name] = data.hex()
-        told = program.ask(folder, "report", self.out)
-        found["report"] = f"exit {told.code}"
+        outcome = program.ask(folder, "report", self.out)
+        found["report"] = f"exit {outcome.code}"
         for table in sorted((folder / self.out / "report").glob("*")):
             if table.suffix in (".csv", ".md"):
                 found[table.name] = table.read_text()
@@ -100,8 +100,8 @@ class Ablation:
         """What is wrong with the folder as it was left; "" where it can be read."""
         if not (folder / self.out / "manifest.json").exists():
             return ""
-        told = program.ask(folder, *self.command, "--status")
-        return "" if told.code in (0, 1) and not told.dirt() else f"--status: {told.text[:300]}"
+        outcome = program.ask(folder, *self.command, "--status")
+        return "" if outcome.code in (0, 1) and not outcome.dirt() else f"--status: {outcome.text[:300]}"
 
 
 class Run:
@@ -151,8 +151,8 @@ class Run:
                 return f"{name}: {broken} is damaged"
         if not kept:
             return ""
-        told = program.ask(folder, "eval", self.out, "--no-save", "--json", "-")
-        if told.code != 0 or told.dirt():
-            return f"eval: exit {told.code}: {told.err[:300]}"
-        frames = json.loads(told.out)["counts"]["frames"]
+        outcome = program.ask(folder, "eval", self.out, "--no-save", "--json", "-")
+        if outcome.code != 0 or outcome.dirt():
+            return f"eval: exit {outcome.code}: {outcome.err[:300]}"
+        frames = json.loads(outcome.out)["counts"]["frames"]
         return "" if frames == len(kept) else f"eval counts {frames} frames, {len(kept)} are there"

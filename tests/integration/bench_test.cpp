@@ -83,7 +83,7 @@ TEST_F(Bench, TellsEachPartOfEachPipeline) {
   }
 }
 
-TEST_F(Bench, CountsFramesInWhichAStageWasSkippedApart) {
+TEST_F(Bench, CountsFramesWithASkippedStageSeparately) {
   const json all = measured();
   const json &a = all["pipelines"][0], &b = all["pipelines"][1];
   EXPECT_EQ(part(a, "matchers")["statuses"]["no_result"], kRepetitions);

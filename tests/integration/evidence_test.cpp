@@ -82,7 +82,7 @@ class Evidence : public ::testing::Test {
 TEST_F(Evidence, MatchTrialsGiveRatesOfAFilterWithoutAnyImage) {
   const RunMetrics metrics =
       measure(WEFT_PIPELINES "/match_trials.yaml",
-              {"source.trials=12", "source.matches=500", "source.correct_rate=0.5"});
+              {"source.trials=12", "source.matches=500", "source.inlier_rate=0.5"});
   ASSERT_EQ(metrics.filters.size(), 1U);
   const auto& filter = metrics.filters.front();
   EXPECT_EQ(filter.frames, 12);

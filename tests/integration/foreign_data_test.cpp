@@ -57,7 +57,7 @@ class ForeignDataTest : public PipelineTest {
             "  - use: filters/aem\n"
             "  - use: warps/bbs\n"
             "  - use: passes/salient_cells\n"
-            "  - {use: solvers/particle_sft, params: {start: {use: solvers/brunet_mdh}}}\n",
+            "  - {use: solvers/particle_sft, params: {initial_guess: {use: solvers/brunet_mdh}}}\n",
         "mine.yaml");
   }
 

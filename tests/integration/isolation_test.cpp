@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "host/calling/lane.hpp"
+#include "host/calling/execution_context.hpp"
 #include "host/roles/role_rules.hpp"
 #include "support/child.hpp"
 #include "support/pipeline_fixture.hpp"
@@ -158,10 +158,10 @@ TEST_F(IsolationTest, ASourceThatDiesIsOpenedAgainAndASinkIsNot) {
   const auto [config, report] =
       load(testing::chain({{"sinks", "{path: '" + path("lines") + "'}"}}));
   ASSERT_TRUE(report.ok()) << report.text();
-  host::Lane lane(1, {}, *host::SharedArena::create());
-  const host::Isolation apart{(fs::path(WEFT_PROGRAM).parent_path() / "weft-worker").string()};
+  host::ExecutionContext context(1, {}, *host::SharedArena::create());
+  const host::Isolation isolated{(fs::path(WEFT_PROGRAM).parent_path() / "weft-worker").string()};
   const auto status_of = [&](host::Instance* instance, int method, std::uint64_t frame) {
-    return lane.call(*instance, method, {}, frame).status;
+    return context.call(*instance, method, {}, frame).status;
   };
   const auto kill_workers = [] {
     const std::vector<pid_t> supervisors = children_of(getpid());
@@ -171,7 +171,7 @@ TEST_F(IsolationTest, ASourceThatDiesIsOpenedAgainAndASinkIsNot) {
     EXPECT_TRUE(comes_true(
         [&] { return std::all_of(supervisors.begin(), supervisors.end(), testing::is_gone); }));
   };
-  const auto source = lane.instantiate_isolated(config.source->component, "sources", apart);
+  const auto source = context.instantiate_isolated(config.source->component, "sources", isolated);
   ASSERT_TRUE(source) << source.error().message;
   ASSERT_EQ(status_of(*source, kOpenSource, host::kOfflineFrame), WEFT_OK);
   EXPECT_EQ(status_of(*source, kReadFrame, 0), WEFT_OK);
@@ -179,7 +179,7 @@ TEST_F(IsolationTest, ASourceThatDiesIsOpenedAgainAndASinkIsNot) {
   EXPECT_EQ(status_of(*source, kReadFrame, 1), WEFT_ERROR);
   EXPECT_EQ(status_of(*source, kReadFrame, 1), WEFT_OK);
 
-  const auto sink = lane.instantiate_isolated(config.sinks[0].component, "sinks", apart);
+  const auto sink = context.instantiate_isolated(config.sinks[0].component, "sinks", isolated);
   ASSERT_TRUE(sink) << sink.error().message;
   ASSERT_EQ(status_of(*sink, kOpenSink, host::kOfflineFrame), WEFT_OK);
   EXPECT_EQ(status_of(*sink, kWriteFrame, 0), WEFT_OK);
@@ -187,7 +187,7 @@ TEST_F(IsolationTest, ASourceThatDiesIsOpenedAgainAndASinkIsNot) {
   EXPECT_NE(written, "");
   kill_workers();
   EXPECT_EQ(status_of(*sink, kWriteFrame, 1), WEFT_ERROR);
-  const host::Outcome refused = lane.call(**sink, kWriteFrame, {}, 2);
+  const host::Outcome refused = context.call(**sink, kWriteFrame, {}, 2);
   EXPECT_EQ(refused.status, WEFT_ERROR);
   EXPECT_THAT(refused.error.message, HasSubstr("is not started again"));
   EXPECT_EQ(read_text(path("lines.part")), written);
@@ -203,17 +203,17 @@ TEST_F(IsolationTest, AWorkerThatHangsCostsOneFrame) {
 }
 
 TEST_F(IsolationTest, InAParallelRunAWorkerThatDiesOrHangsCostsItsFrameAndNoOther) {
-  const std::vector<std::vector<std::string>> deeds = {
+  const std::vector<std::vector<std::string>> actions = {
       {"{deed: crash, frame: 1}", "", "its worker died of signal 11"},
       {"{deed: hang, frame: 1}", ", deadline_ms: 1000", "gave no answer within 1000 ms"}};
-  for (const auto& deed : deeds) {
-    SCOPED_TRACE(deed[0]);
-    const std::vector<json> lines = the_same_in_parallel(deed[0], deed[1]);
+  for (const auto& action : actions) {
+    SCOPED_TRACE(action[0]);
+    const std::vector<json> lines = the_same_in_parallel(action[0], action[1]);
     ASSERT_EQ(lines.size(), 4U);
     for (std::size_t i = 0; i < lines.size(); ++i) {
       EXPECT_EQ(lines[i]["failed"], i == 1) << lines[i];
     }
-    EXPECT_THAT(lines[1].dump(), HasSubstr(deed[2]));
+    EXPECT_THAT(lines[1].dump(), HasSubstr(action[2]));
     for (const char* folder : {"serial", "parallel"}) fs::remove_all(path(folder));
   }
 }
@@ -319,7 +319,7 @@ TEST_F(IsolationTest, TheDemoGivesTheSameBytesWithAllItsStagesIsolated) {
   ASSERT_EQ(far_lines.size(), 3U);
   for (std::size_t i = 0; i < 3; ++i) {
     json one = json::parse(near_lines[i]), other = json::parse(far_lines[i]);
-    EXPECT_EQ(other["ms"].contains("solvers/start"), i == 0) << "tracked from then on";
+    EXPECT_EQ(other["ms"].contains("solvers/initial_guess"), i == 0) << "tracked from then on";
     for (json* line : {&one, &other}) {
       for (const char* times : {"ms", "processor_ms"}) {
         for (json& time : (*line)[times]) time = 0;

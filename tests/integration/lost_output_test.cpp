@@ -44,7 +44,7 @@ class LostOutput : public testing::ShelledProgram {
   }
 };
 
-TEST_F(LostOutput, APipeThatNobodyReadsEndsNoRun) {
+TEST_F(LostOutput, ABrokenPipeEndsNoRun) {
   const std::string file = write(chain());
   const Ended ended = weft(R"(("$0" "$@"; echo $? > code) | true)",
                            {"run", file, "--out", "kept", "--isolate", "none"});
@@ -67,6 +67,7 @@ TEST_F(LostOutput, OfEveryCommandIsAnErrorWithCodeThree) {
       {"--version"},
       {"--help"},
       {"check", file},
+      {"migrate", file},
       {"run", file, "--out", "other", "--quiet"},
       {"records"},
       {"plugins", "list"},
@@ -95,7 +96,7 @@ TEST_F(LostOutput, ThatIsClosedIsNotMistakenForAFile) {
   for (const std::string& line : lines) EXPECT_THAT(line, StartsWith("{\"frame\":"));
 }
 
-TEST_F(LostOutput, ThatNobodyNeedsIsNoError) {
+TEST_F(LostOutput, ThatIsNotNeededIsNoError) {
   const std::string file = write(chain());
   ASSERT_EQ(weft({"run", file, "--out", "kept"}).exit_code, 0);
   EXPECT_EQ(weft(R"(exec "$0" "$@" >&-)", {"eval", "kept", "--quiet"}).exit_code, 0);

@@ -29,7 +29,7 @@ class MatchSets : public PipelineTest {
   std::string trials() const {
     return write(
         "weft: 1\nsource: {use: sources/match_trials, params: {trials: 2, seed: 3, matches: 40, "
-        "correct_rate: 0.6, noise_px: 0.4}}\n"
+        "inlier_rate: 0.6, noise_px: 0.4}}\n"
         "template: {use: templates/rectangular, params: {texture: " WEFT_DATA_FOLDER
         "/plain_sheet.png, width_m: 0.297, height_m: 0.178, columns: 10, rows: 6}}\n",
         "trials.yaml");
@@ -147,7 +147,7 @@ TEST_F(MatchSets, OfARunGiveTheShapesOfThatRunBitForBit) {
   const std::string stages =
       "stages:\n  - {use: filters/myneighbor, params: {warp: {use: warps/bbs}}}\n"
       "  - {use: warps/bbs, params: {robust: geman_mcclure}}\n  - {use: passes/salient_cells}\n"
-      "  - {use: solvers/particle_sft, params: {start: {use: solvers/brunet_mdh}}}\n";
+      "  - {use: solvers/particle_sft, params: {initial_guess: {use: solvers/brunet_mdh}}}\n";
   for (const std::string form : {"npz", "csv"}) {
     convert(path("images"), form, form);
     write("weft: 1\nextends: " + form + "/sequence.yaml\n" + stages, form + ".yaml");

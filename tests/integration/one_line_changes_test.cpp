@@ -91,7 +91,7 @@ class OneLineChanges : public ::testing::Test {
   fs::path folder_;
 };
 
-TEST_F(OneLineChanges, TheDemoAsItStandsIsSolved) { expect_solved(demo_, 0.7); }
+TEST_F(OneLineChanges, TheUnchangedDemoIsSolved) { expect_solved(demo_, 0.7); }
 
 TEST_F(OneLineChanges, ThePapersPipelineIsSolved) { expect_solved(robusft_, 0.7); }
 

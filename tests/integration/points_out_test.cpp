@@ -24,7 +24,7 @@ class PointsOut : public testing::ShelledProgram {
   }
 };
 
-TEST_F(PointsOut, AreAllThatStandsOnTheStandardOutputTheyAreSentTo) {
+TEST_F(PointsOut, AreTheOnlyContentOfTheStandardOutputTheyAreSentTo) {
   const std::string file = points(5, "path: /dev/stdout");
   const Ended ended = weft({"run", file, "--out", "run"});
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
@@ -70,7 +70,7 @@ TEST_F(PointsOut, MayGoIntoANamedPipe) {
   EXPECT_EQ(read_lines(path("got")).size(), 5U);
 }
 
-TEST_F(PointsOut, ThatNobodyReadsAnyMoreAreAnErrorOfTheirSinkAndTheRunGoesOn) {
+TEST_F(PointsOut, OnABrokenPipeAreAnErrorOfTheirSinkAndTheRunContinues) {
   const std::string file = points(400, "path: /dev/stdout");
   const Ended ended =
       weft(R"(("$0" "$@"; echo $? > code) | head -n 1)", {"run", file, "--out", "run"});

@@ -78,14 +78,14 @@ class Refusals(InAFolder):
         self.assertEqual(ended.returncode, code, ended.stdout)
         return ended.stdout.strip()
 
-    def test_an_unknown_role_is_told_with_the_one_that_was_meant_or_with_all(self):
+    def test_an_unknown_role_is_reported_with_a_suggestion_or_with_all(self):
         self.assertEqual(self.refused(2, "fitler", "mine"),
                          "error: no role 'fitler'; did you mean 'filter'?")
         self.assertEqual(self.refused(2, "thing", "mine"),
                          "error: no role 'thing'; there are: source, template, detector, matcher, filter, "
                          "warp, pass, stage, solver, sink")
 
-    def test_an_illegal_name_is_told_with_what_would_be_legal(self):
+    def test_an_illegal_name_is_reported_with_a_legal_one(self):
         for word, legal in (("My-Filter", "my_filter"), ("2fast", "fast"), ("a.b", "a_b")):
             said = self.refused(2, "filter", word)
             self.assertIn(f"'{word}' cannot be the name of a plugin", said)
@@ -94,7 +94,7 @@ class Refusals(InAFolder):
                       self.refused(2, "filter", "mine", "--vendor", "ACME"))
         self.assertIn("has more than 100 characters", self.refused(2, "filter", 100 * "a"))
 
-    def test_a_language_that_is_not_there_is_told_with_what_is(self):
+    def test_an_unknown_language_is_reported_with_the_known_ones(self):
         self.assertEqual(self.refused(2, "filter", "mine", "--language", "fortran"),
                          "error: plugins in 'fortran' cannot be made yet; there are: c++, c, python")
         self.assertIn("in C cannot be begun yet", self.refused(2, "solver", "mine", "--language", "c"))
@@ -136,12 +136,12 @@ class Files(InAFolder):
             for name, text in texts.items():
                 for word in ("my_plugin", "MyPlugin", "roles/", "roles_"):
                     self.assertNotIn(word, text, f"{role}: {name}")
-            self.assertRegex(texts["my_own_2.cpp"], rf'WEFT_PLUGIN\(MyOwn2{role.title()}, "{folder}/acme.my_own_2"')
+            self.assertRegex(texts["my_own_2.cpp"], rf'WEFT_PLUGIN\(\s*MyOwn2{role.title()}, "{folder}/acme.my_own_2"')
             self.assertIn(f"weft_add_plugin({folder}/acme.my_own_2", texts["CMakeLists.txt"])
             self.assertTrue(texts["README.md"].startswith(f"# {folder}/acme.my_own_2\n"))
             self.check_example(texts["README.md"], texts["pipeline.yaml"])
 
-    def test_in_python_a_module_stands_in_the_place_of_the_source(self):
+    def test_in_python_a_module_replaces_the_source(self):
         for role in PYTHON_ROLES:
             folder = ROLES[role]
             out = self.folder / folder

@@ -24,44 +24,44 @@ class SuddenEnd : public testing::PipelineTest {
   }
 
   /// Four frames; in the second one the filter does the deed, in the process of the host.
-  std::string of(const std::string& deed) const {
+  std::string of(const std::string& action) const {
     std::string text = testing::chain({{"sources", "{frames: 4}"}});
     const std::string filter = "{use: filters/test.scripted, params: {}}";
     return text.replace(text.find(filter), filter.size(),
-                        "{use: filters/test_deadly, params: {deed: " + deed + ", frame: 1}}");
+                        "{use: filters/test_deadly, params: {deed: " + action + ", frame: 1}}");
   }
 };
 
-TEST_F(SuddenEnd, IsToldWithStagePluginAndFrameAndIsNoSuccess) {
-  const std::vector<std::pair<std::string, std::string>> deeds{
+TEST_F(SuddenEnd, IsReportedWithStagePluginAndFrameAndIsNoSuccess) {
+  const std::vector<std::pair<std::string, std::string>> actions{
       {"fault", "ended the process (SIGSEGV"},
       {"overflow", "ended the process (SIGSEGV"},
       {"terminate", "ended the process (SIGABRT"},
       {"quit", "called exit()"},
       {"exit", "called _exit()"}};
-  for (const auto& [deed, end] : deeds) {
-    const std::string out = path(deed);
-    const Ended ended = weft({"run", write(of(deed)), "--out", out, "--quiet"});
+  for (const auto& [action, end] : actions) {
+    const std::string out = path(action);
+    const Ended ended = weft({"run", write(of(action)), "--out", out, "--quiet"});
     // Sanitizers end a process of which a signal told them with an exit code.
-    EXPECT_NE(ended.exit_code, 0) << deed;
-    if (deed == "quit" || deed == "exit") {
+    EXPECT_NE(ended.exit_code, 0) << action;
+    if (action == "quit" || action == "exit") {
       EXPECT_EQ(ended.exit_code, 4);
     }
     EXPECT_THAT(ended.err, HasSubstr("filters (filters/test_deadly: filter), frame 1: " + end))
-        << deed;
-    EXPECT_THAT(ended.err, HasSubstr("Try isolate: process at its stage")) << deed;
+        << action;
+    EXPECT_THAT(ended.err, HasSubstr("Try isolate: process at its stage")) << action;
     // The frame before may still have been on its way to the folder.
     const std::size_t written = read_lines(out + "/frames.jsonl").size();
-    EXPECT_LE(written, 1U) << deed;
+    EXPECT_LE(written, 1U) << action;
     const Ended measured = weft({"eval", out});
     EXPECT_EQ(measured.exit_code, 0) << measured.err;
     EXPECT_THAT(measured.out,
                 HasSubstr(std::to_string(written) + " of 4 frames; the run did not finish"))
-        << deed;
+        << action;
   }
 }
 
-TEST_F(SuddenEnd, IsToldOfAComponentThatIsAskedBeforeTheRun) {
+TEST_F(SuddenEnd, IsReportedForAComponentThatIsCalledBeforeTheRun) {
   for (const auto& [params, end] :
        {std::pair{"{}", "called exit()"}, std::pair{"{at_once: true}", "called _exit()"}}) {
     std::string text = testing::chain();
@@ -79,25 +79,25 @@ TEST_F(SuddenEnd, IsToldOfAComponentThatIsAskedBeforeTheRun) {
   }
 }
 
-TEST_F(SuddenEnd, OfWhoSpoilsItsInputsIsToldUnderParanoidWithTheInput) {
+TEST_F(SuddenEnd, OfAComponentThatWritesIntoItsInputsIsReportedUnderParanoid) {
   const Ended trusting = weft({"run", write(of("spoil")), "--out", path("trusting"), "--quiet"});
   EXPECT_EQ(trusting.exit_code, 0) << trusting.err;
-  for (const auto& [deed, end] :
+  for (const auto& [action, end] :
        {std::pair{"spoil", "wrote into its input correspondences/kept"},
         std::pair{"overread", "went beyond the end of its input correspondences/score"}}) {
     const Ended ended =
-        weft({"run", write(of(deed)), "--out", path(deed), "--quiet", "--paranoid"});
-    EXPECT_NE(ended.exit_code, 0) << deed;
+        weft({"run", write(of(action)), "--out", path(action), "--quiet", "--paranoid"});
+    EXPECT_NE(ended.exit_code, 0) << action;
     EXPECT_THAT(ended.err,
                 HasSubstr(std::string("filters (filters/test_deadly: filter), frame 1: ") + end))
-        << deed;
+        << action;
   }
   const Ended sound =
       weft({"run", write(testing::chain()), "--out", path("sound"), "--quiet", "--paranoid"});
   EXPECT_EQ(sound.exit_code, 0) << sound.err;
 }
 
-TEST_F(SuddenEnd, IsToldOfAThreadThatRunsBesideOthers) {
+TEST_F(SuddenEnd, IsReportedForAConcurrentThread) {
   const std::string at_once = "threads: 2\nframes_at_once: 3\n";
   const std::string text = of("fault");
   const std::string file = write(text.substr(0, 8) + at_once + text.substr(8));
@@ -106,11 +106,11 @@ TEST_F(SuddenEnd, IsToldOfAThreadThatRunsBesideOthers) {
 }
 
 TEST_F(SuddenEnd, CostsOneFrameInAProcessOfItsOwn) {
-  for (const std::string deed : {"fault", "overflow", "terminate", "quit", "exit"}) {
-    const Ended ended = weft({"run", write(of(deed)), "--out", path(deed), "--quiet", "--set",
+  for (const std::string action : {"fault", "overflow", "terminate", "quit", "exit"}) {
+    const Ended ended = weft({"run", write(of(action)), "--out", path(action), "--quiet", "--set",
                               "filters.isolate=process"});
-    EXPECT_EQ(ended.exit_code, 1) << deed << ended.err;
-    EXPECT_EQ(read_lines(path(deed) + "/frames.jsonl").size(), 4U) << deed;
+    EXPECT_EQ(ended.exit_code, 1) << action << ended.err;
+    EXPECT_EQ(read_lines(path(action) + "/frames.jsonl").size(), 4U) << action;
   }
 }
 

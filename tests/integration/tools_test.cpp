@@ -51,9 +51,9 @@ class Tools : public testing::PipelineTest {
   }
 
   /// Where a library does something when it is loaded.
-  Ended weft_falling(const std::string& deed, const std::vector<std::string>& arguments) const {
+  Ended weft_falling(const std::string& action, const std::vector<std::string>& arguments) const {
     std::vector<std::string> words = command(arguments, WEFT_FALLS_FOLDER);
-    words.insert(words.begin() + 3, "WEFT_FALLS=" + deed);
+    words.insert(words.begin() + 3, "WEFT_FALLS=" + action);
     return Child(words, path("printed")).wait();
   }
 
@@ -214,15 +214,15 @@ TEST_F(Tools, DescribesALibraryAsJsonAndWritesNothing) {
 
 TEST_F(Tools, OutliveALibraryThatEndsItsProcessWhenItIsLoaded) {
   const std::string library = std::string(WEFT_FALLS_FOLDER) + "/filters_test_falls.so";
-  for (const std::string deed : {"fault", "exit"}) {
+  for (const std::string action : {"fault", "exit"}) {
     const auto says = HasSubstr("it ends the process that loads it");
-    const Ended why = weft_falling(deed, {"plugins", "why", "filters/test_falls"});
+    const Ended why = weft_falling(action, {"plugins", "why", "filters/test_falls"});
     EXPECT_EQ(why.exit_code, 2) << why.err;
     EXPECT_THAT(why.out, ::testing::AllOf(HasSubstr("refused: filters/test_falls"), says));
-    const Ended described = weft_falling(deed, {"plugins", "describe", library, "--json"});
+    const Ended described = weft_falling(action, {"plugins", "describe", library, "--json"});
     EXPECT_EQ(described.exit_code, 3);
     EXPECT_THAT(described.err, says);
-    const json doctor = parsed(weft_falling(deed, {"doctor", "--json"}));
+    const json doctor = parsed(weft_falling(action, {"doctor", "--json"}));
     const json& devices = doctor["devices"]["of_plugins"];
     const auto of_it = std::find_if(devices.begin(), devices.end(), [](const json& entry) {
       return entry["plugins"][0] == "filters/test_falls";
@@ -368,7 +368,7 @@ TEST_F(ReplayTool, SaysWhatIsWrong) {
   }
 }
 
-TEST_F(ReplayTool, IsToldWhichStagesThereAre) {
+TEST_F(ReplayTool, ReportsTheAvailableStages) {
   const Ended ended = weft(
       {"run", path("pipeline.yaml"), "--out", path("b"), "--dump", "solver", "--isolate", "none"});
   EXPECT_EQ(ended.exit_code, 2);

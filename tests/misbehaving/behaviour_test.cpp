@@ -56,8 +56,8 @@ TEST_F(Misbehaviour, ThrowingInPrepareIsAnErrorWithTheId) {
   templ.faces = Array<std::int32_t>({1, 3}, 0);
   templ.texture = Array<std::uint8_t>({4, 4}, 0);
   templ.mask = Array<std::uint8_t>({4, 4}, 0);
-  const auto ready = thrower.lane().prepare(**thrower.created(), *host::Record::copy_of(templ),
-                                            *host::Record::copy_of(Camera{}));
+  const auto ready = thrower.context().prepare(**thrower.created(), *host::Record::copy_of(templ),
+                                               *host::Record::copy_of(Camera{}));
   ASSERT_FALSE(ready);
   EXPECT_EQ(ready.error().where, "filters/test_throws");
   EXPECT_THAT(ready.error().message, HasSubstr("the sky fell down"));
@@ -119,10 +119,10 @@ TEST_F(Misbehaviour, AnOutputThatAPassPromisedAndForgotIsAnError) {
   const RecordView<Camera> camera_view("camera", camera);
   const weft_record inputs[] = {template_view.raw(), camera_view.raw()};
   Subject pass(registry_, "passes/test_forgets");
-  expect_error(pass.lane().call(**pass.created(), 0, inputs, 0), "passes/test_forgets",
+  expect_error(pass.context().call(**pass.created(), 0, inputs, 0), "passes/test_forgets",
                "did not produce its output 'sightlines'");
   Subject wrong(registry_, "passes/test_forgets", "{vertices: 3}");
-  expect_error(wrong.lane().call(**wrong.created(), 0, inputs, 0), "passes/test_forgets",
+  expect_error(wrong.context().call(**wrong.created(), 0, inputs, 0), "passes/test_forgets",
                "3 entries for 4 of the input 'template'");
 }
 
@@ -195,14 +195,14 @@ TEST_F(Misbehaviour, AComponentThatHoldsItselfByDefaultCannotBeResolved) {
 TEST_F(Misbehaviour, AMethodThatTheRoleLacksIsAnError) {
   Subject good(registry_, "filters/test_good");
   for (const int method : {-1, 1, 1000}) {
-    expect_error(good.lane().call(**good.created(), method, {}, 0), "filters/test_good",
+    expect_error(good.context().call(**good.created(), method, {}, 0), "filters/test_good",
                  "no method");
   }
 }
 
 TEST_F(Misbehaviour, AMissingInputIsAnError) {
   Subject good(registry_, "filters/test_good");
-  expect_error(good.lane().call(**good.created(), 0, {}, 0), "filters/test_good",
+  expect_error(good.context().call(**good.created(), 0, {}, 0), "filters/test_good",
                "required input 'correspondences' is absent");
 }
 

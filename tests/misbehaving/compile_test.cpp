@@ -134,28 +134,32 @@ TEST(ProcessorFeatures, AreNamedForEachOptionAndKnownToTheHost) {
 }
 
 /// The compiler's own reading of CPUID, which no list of the kernel changes.
-const std::vector<std::pair<std::string, bool>>& told_by_the_compiler() {
+const std::vector<std::pair<std::string, bool>>& compiler_features() {
   __builtin_cpu_init();
-#define WEFT_TOLD(name) \
+#define WEFT_COMPILED_FOR(name) \
   std::pair<std::string, bool> { name, __builtin_cpu_supports(name) != 0 }
-  static const std::vector<std::pair<std::string, bool>> kTold{
-      WEFT_TOLD("sse3"),       WEFT_TOLD("ssse3"),       WEFT_TOLD("sse4.1"),
-      WEFT_TOLD("sse4.2"),     WEFT_TOLD("sse4a"),       WEFT_TOLD("popcnt"),
-      WEFT_TOLD("bmi"),        WEFT_TOLD("bmi2"),        WEFT_TOLD("aes"),
-      WEFT_TOLD("pclmul"),     WEFT_TOLD("gfni"),        WEFT_TOLD("avx"),
-      WEFT_TOLD("avx2"),       WEFT_TOLD("fma"),         WEFT_TOLD("fma4"),
-      WEFT_TOLD("xop"),        WEFT_TOLD("vpclmulqdq"),  WEFT_TOLD("avx512f"),
-      WEFT_TOLD("avx512cd"),   WEFT_TOLD("avx512vl"),    WEFT_TOLD("avx512bw"),
-      WEFT_TOLD("avx512dq"),   WEFT_TOLD("avx512ifma"),  WEFT_TOLD("avx512vbmi"),
-      WEFT_TOLD("avx512vnni"), WEFT_TOLD("avx512bitalg")};
-#undef WEFT_TOLD
-  return kTold;
+  static const std::vector<std::pair<std::string, bool>> kFeatures{
+      WEFT_COMPILED_FOR("sse3"),       WEFT_COMPILED_FOR("ssse3"),
+      WEFT_COMPILED_FOR("sse4.1"),     WEFT_COMPILED_FOR("sse4.2"),
+      WEFT_COMPILED_FOR("sse4a"),      WEFT_COMPILED_FOR("popcnt"),
+      WEFT_COMPILED_FOR("bmi"),        WEFT_COMPILED_FOR("bmi2"),
+      WEFT_COMPILED_FOR("aes"),        WEFT_COMPILED_FOR("pclmul"),
+      WEFT_COMPILED_FOR("gfni"),       WEFT_COMPILED_FOR("avx"),
+      WEFT_COMPILED_FOR("avx2"),       WEFT_COMPILED_FOR("fma"),
+      WEFT_COMPILED_FOR("fma4"),       WEFT_COMPILED_FOR("xop"),
+      WEFT_COMPILED_FOR("vpclmulqdq"), WEFT_COMPILED_FOR("avx512f"),
+      WEFT_COMPILED_FOR("avx512cd"),   WEFT_COMPILED_FOR("avx512vl"),
+      WEFT_COMPILED_FOR("avx512bw"),   WEFT_COMPILED_FOR("avx512dq"),
+      WEFT_COMPILED_FOR("avx512ifma"), WEFT_COMPILED_FOR("avx512vbmi"),
+      WEFT_COMPILED_FOR("avx512vnni"), WEFT_COMPILED_FOR("avx512bitalg")};
+#undef WEFT_COMPILED_FOR
+  return kFeatures;
 }
 
 TEST(ProcessorFeatures, AreThoseThatTheCompilerReadsWhereTheKernelListsNothing) {
   const std::vector<std::string> features = host::processor_features("");
-  for (const auto& [name, told] : told_by_the_compiler()) {
-    EXPECT_EQ(std::count(features.begin(), features.end(), name), told ? 1 : 0) << name;
+  for (const auto& [name, is_enabled] : compiler_features()) {
+    EXPECT_EQ(std::count(features.begin(), features.end(), name), is_enabled ? 1 : 0) << name;
   }
 }
 
@@ -196,7 +200,7 @@ TEST(WeftDescribe, RefusesAnIdThatTheBuildDoesNotName) {
 
 TEST(WeftDescribe, SaysWhatALibraryDoesInsteadOfDescribingItself) {
   struct Case {
-    std::string deed, says;
+    std::string action, says;
   };
   // A sanitizer ends what it has reported.
 #ifdef __SANITIZE_THREAD__
@@ -206,7 +210,7 @@ TEST(WeftDescribe, SaysWhatALibraryDoesInsteadOfDescribingItself) {
 #else
   const std::string fault = "signal 11";
 #endif
-  for (const auto& [deed, says] :
+  for (const auto& [action, says] :
        {Case{"fault", "it ends the process that loads it by " + fault},
         Case{"exit", "it ends the process that loads it by exit(0)"},
         Case{"leave", "it ends the process that loads it by exit(7)"},
@@ -215,13 +219,13 @@ TEST(WeftDescribe, SaysWhatALibraryDoesInsteadOfDescribingItself) {
              "should read them all and do nothing else: files and checks belong in prepare()"}}) {
     const TemporaryFolder folder;
     const std::string manifest = folder / "falls.plugin.yaml";
-    setenv("WEFT_FALLS", deed.c_str(), 1);
+    setenv("WEFT_FALLS", action.c_str(), 1);
     const testing::Ended ended = describe(WEFT_FALLS_FOLDER "/filters_test_falls.so", manifest,
                                           "filters/test_falls", folder);
     unsetenv("WEFT_FALLS");
-    EXPECT_EQ(ended.exit_code, 1) << deed;
+    EXPECT_EQ(ended.exit_code, 1) << action;
     EXPECT_THAT(ended.err, HasSubstr(says));
-    EXPECT_FALSE(fs::exists(manifest)) << deed;
+    EXPECT_FALSE(fs::exists(manifest)) << action;
   }
 }
 

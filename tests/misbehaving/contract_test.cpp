@@ -19,7 +19,7 @@ testing::ContractReport contract_of(const std::string& id, const std::string& pa
   return testing::check_role_contract(id, {.params = params, .plugin_folders = {kFolder}});
 }
 
-TEST(RoleContract, FindsOutputsThatNobodyCouldUse) {
+TEST(RoleContract, FindsUnusableOutputs) {
   EXPECT_THAT(contract_of("filters/test_wrong_output", "{mistake: shorter}").failures,
               Contains(HasSubstr("with a usual input: returned an illegal output")));
   EXPECT_THAT(contract_of("filters/test_wrong_output", "{mistake: infinity}").failures,

@@ -26,11 +26,11 @@ class LocalMotionTest : public ::testing::Test {
   const host::Outcome& call(const std::string& params = "{}") {
     resolved_ = resolve(registry_, "filters/local_motion", params);
     if (!resolved_.spec) throw std::runtime_error(resolved_.problem());
-    const auto instance = lane_.instantiate(*resolved_.spec, "filters");
+    const auto instance = context_.instantiate(*resolved_.spec, "filters");
     if (!instance) throw std::runtime_error(instance.error().message);
     const RecordView<Correspondences> view("correspondences", matches_);
     const weft_record inputs[] = {view.raw()};
-    outcome_ = lane_.call(**instance, 0, inputs, 0);
+    outcome_ = context_.call(**instance, 0, inputs, 0);
     return outcome_;
   }
 
@@ -41,7 +41,7 @@ class LocalMotionTest : public ::testing::Test {
 
   Correspondences matches_ = make_matches(100);
   const host::Registry registry_ = scan(WEFT_EXAMPLE_FOLDER);
-  host::Lane lane_{1, {}};
+  host::ExecutionContext context_{1, {}};
   Resolved resolved_;
   host::Outcome outcome_;
 };
@@ -87,7 +87,7 @@ TEST_F(LocalMotionTest, GivesNoVoteToMatchesThatAnEarlierFilterRejectedAndKeepsN
   }
 }
 
-TEST_F(LocalMotionTest, IsAsStrictAsItIsTold) {
+TEST_F(LocalMotionTest, IsAsStrictAsConfigured) {
   matches_.image_px(55, 1) += 8.0;
   EXPECT_EQ(filter("{max_deviation_px: 10}").kept(55), 1);
   EXPECT_EQ(filter("{max_deviation_px: 5}").kept(55), 0);

@@ -64,7 +64,7 @@ TEST(DamagedFiles, BuildIdsAreReadOrTheFileIsRefused) {
 }
 
 /// How a process ends that loads this library and describes what is in it, as wait() says it.
-int loaded_apart(const std::string& file) {
+int loaded_in_child(const std::string& file) {
   const pid_t child = fork();
   if (child == 0) {
     for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) {
@@ -82,7 +82,7 @@ TEST(DamagedFiles, ATruncatedLibraryIsRefusedBeforeItIsMapped) {
   const TemporaryFolder folder;
   folder.adopt("filters_test_good");
   const std::string whole = read_file(library("filters_test_good"));
-  ASSERT_EQ(loaded_apart(library("filters_test_good")), 0);
+  ASSERT_EQ(loaded_in_child(library("filters_test_good")), 0);
   const std::string file = folder / "filters_test_good.so";
   for (std::size_t length = 0; length < whole.size(); length += whole.size() / 97) {
     write_file(file, whole.substr(0, length));
@@ -113,14 +113,14 @@ TEST(DamagedFiles, NoFlippedByteOfALibrarysHeadersEndsTheProgram) {
     const std::uint32_t at = rng.below(reach);
     bytes[at] = static_cast<char>(bytes[at] ^ static_cast<char>(1 + rng.below(255)));
     write_file(file, bytes);
-    const int status = loaded_apart(file);
+    const int status = loaded_in_child(file);
     EXPECT_FALSE(WIFSIGNALED(status)) << "signal " << WTERMSIG(status) << ", byte " << at;
     refused += status != 0 ? 1 : 0;
   }
   EXPECT_GT(refused, 50);
 }
 
-TEST(DamagedFiles, APipeThatIsNamedLikeALibraryKeepsNobodyWaiting) {
+TEST(DamagedFiles, APipeThatIsNamedLikeALibraryBlocksNothing) {
   const TemporaryFolder folder;
   folder.adopt("filters_test_good");
   const std::string file = folder / "filters_test_good.so";

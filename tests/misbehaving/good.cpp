@@ -26,7 +26,7 @@ class Good final : public weft::Filter {
     p.text("title", title_, "a text");
     p.input_path("table", table_, "a file that is read");
     p.output_path("report", report_, "a file that is written");
-    p.labels("apart", apart_, "texts by name");
+    p.labels("apart", labels_, "texts by name");
     p.component("warp", warp_, "a component of its own");
     p.read("steps", steps_, "frames", {-9, 1e15}, "a vector of whole numbers");
     p.read("words", words_, "a list of texts");
@@ -49,7 +49,7 @@ class Good final : public weft::Filter {
     diag.set("title_length", static_cast<double>(title_.size()));
     diag.set("table_length", static_cast<double>(table_.size()));
     diag.set("report_length", static_cast<double>(report_.size()));
-    diag.set("labels", static_cast<double>(apart_.size()));
+    diag.set("labels", static_cast<double>(labels_.size()));
     weft::Array<std::int64_t> steps({static_cast<std::int64_t>(steps_.size())});
     std::copy(steps_.begin(), steps_.end(), steps.data());
     diag.set("steps", steps);
@@ -85,7 +85,7 @@ class Good final : public weft::Filter {
   std::string title_ = "untitled";
   std::string table_;
   std::string report_;
-  std::vector<std::pair<std::string, std::string>> apart_;
+  std::vector<std::pair<std::string, std::string>> labels_;
   weft::WarpComponent warp_{"warps/test_shift"};
 };
 

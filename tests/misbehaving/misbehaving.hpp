@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "host/calling/lane.hpp"
+#include "host/calling/execution_context.hpp"
 #include "host/loading/component_spec.hpp"
 
 namespace weft::misbehaving {
@@ -111,28 +111,28 @@ inline Correspondences make_matches(std::int64_t count) {
   return matches;
 }
 
-/// One filter of this folder in a lane of its own.
+/// One filter of this folder in an execution context of its own.
 class Subject {
  public:
   Subject(const host::Registry& registry, const std::string& id, const std::string& params = "{}")
-      : lane_(1, {}), resolved_(resolve(registry, id, params)) {
+      : context_(1, {}), resolved_(resolve(registry, id, params)) {
     if (!resolved_.spec) throw std::runtime_error(resolved_.problem());
-    created_ = lane_.instantiate(*resolved_.spec, "filters");
+    created_ = context_.instantiate(*resolved_.spec, "filters");
   }
 
   const Result<host::Instance*>& created() const { return created_; }
-  host::Lane& lane() { return lane_; }
+  host::ExecutionContext& context() { return context_; }
 
   /// Filters `count` matches.
   host::Outcome filter(std::int64_t count = 5) {
     const Correspondences matches = make_matches(count);
     const RecordView<Correspondences> view("correspondences", matches);
     const weft_record inputs[] = {view.raw()};
-    return lane_.call(**created_, 0, inputs, 0);
+    return context_.call(**created_, 0, inputs, 0);
   }
 
  private:
-  host::Lane lane_;
+  host::ExecutionContext context_;
   Resolved resolved_;
   Result<host::Instance*> created_ = Error{};
 };

@@ -203,7 +203,7 @@ TEST(MisbehavingPlugins, RefusesALibraryThatDoesNotContainWhatItsManifestSays) {
   const TemporaryFolder folder;
   folder.adopt(kGood);
   std::string manifest = read_file(folder / "filters_test_good.plugin.yaml");
-  manifest.replace(manifest.find("filters/test_strict"), 18, "filters/test_forged");
+  manifest.replace(manifest.find("filters/test_strict"), 19, "filters/test_forged");
   write_file(folder / "filters_test_good.plugin.yaml", manifest);
   const Error error = load_error(scan(folder.path()), "filters/test_forged");
   EXPECT_THAT(error.message, HasSubstr("does not contain 'filters/test_forged'"));

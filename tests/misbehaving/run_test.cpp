@@ -16,33 +16,33 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 /// What a component does in frame 1 of 3, and what is to be said about it.
-struct Deed {
+struct Misbehaviour {
   std::string name, id, params, reason;
 };
 
-void PrintTo(const Deed& deed, std::ostream* out) { *out << deed.name; }
+void PrintTo(const Misbehaviour& misbehaviour, std::ostream* out) { *out << misbehaviour.name; }
 
 class MisbehaviourInARun : public testing::PipelineTest,
-                           public ::testing::WithParamInterface<Deed> {
+                           public ::testing::WithParamInterface<Misbehaviour> {
  protected:
   MisbehaviourInARun() {
     registry_ =
         host::Registry::scan({{WEFT_TEST_PLUGINS, "test"}, {WEFT_MISBEHAVING_FOLDER, "test"}});
   }
 
-  static std::string pipeline(const Deed& deed) {
-    const std::string role = deed.id.substr(0, deed.id.find('/'));
+  static std::string pipeline(const Misbehaviour& misbehaviour) {
+    const std::string role = misbehaviour.id.substr(0, misbehaviour.id.find('/'));
     std::string text = testing::chain();
     const std::string good = "use: " + role + "/test.scripted, params: {}";
     return text.replace(text.find(good), good.size(),
-                        "use: " + deed.id + ", params: " + deed.params);
+                        "use: " + misbehaviour.id + ", params: " + misbehaviour.params);
   }
 };
 
 TEST_P(MisbehaviourInARun, CostsItsFrameAndIsRecordedByName) {
-  const Deed& deed = GetParam();
-  const std::string role = deed.id.substr(0, deed.id.find('/'));
-  const testing::Ran ran = run(pipeline(deed));
+  const Misbehaviour& misbehaviour = GetParam();
+  const std::string role = misbehaviour.id.substr(0, misbehaviour.id.find('/'));
+  const testing::Ran ran = run(pipeline(misbehaviour));
   ASSERT_TRUE(ran.summary) << ran.summary.error().message;
   EXPECT_EQ(ran.summary->failed, 1);
   const auto lines = testing::read_lines(ran.folder + "/frames.jsonl");
@@ -60,7 +60,7 @@ TEST_P(MisbehaviourInARun, CostsItsFrameAndIsRecordedByName) {
     if (stage["stage"] == role) {
       EXPECT_EQ(stage["status"], "error");
       EXPECT_THAT(std::string(stage["reason"]),
-                  AllOf(StartsWith(deed.id + ": "), HasSubstr(deed.reason)));
+                  AllOf(StartsWith(misbehaviour.id + ": "), HasSubstr(misbehaviour.reason)));
       expected = "skipped";
     } else if (stage["stage"] != "sinks") {
       EXPECT_EQ(stage["status"], expected) << stage;
@@ -68,7 +68,7 @@ TEST_P(MisbehaviourInARun, CostsItsFrameAndIsRecordedByName) {
   }
 }
 
-const Deed kDeeds[] = {
+const Misbehaviour kMisbehaviours[] = {
     {"ThrowsAnException", "filters/test_throws", "{in: process, frame: 1}",
      "threw: the sky fell down"},
     {"ThrowsANumber", "filters/test_throws", "{in: process, what: number, frame: 1}",
@@ -98,7 +98,7 @@ const Deed kDeeds[] = {
     {"StateOutOfRange", "solvers/test.scripted", "{bad_state_at: [1]}",
      "a solver may say estimated or weak only"}};
 
-INSTANTIATE_TEST_SUITE_P(, MisbehaviourInARun, ::testing::ValuesIn(kDeeds),
+INSTANTIATE_TEST_SUITE_P(, MisbehaviourInARun, ::testing::ValuesIn(kMisbehaviours),
                          [](const auto& test) { return test.param.name; });
 
 class OutputsOfStages : public testing::PipelineTest {};
@@ -116,7 +116,7 @@ TEST_F(OutputsOfStages, AndOfWhatIsNestedInThemFollowTheRuleOfSinks) {
   const std::string is_there = notes + " is a file; choose a path where nothing is";
   EXPECT_THAT(refusal("report: '" + notes + "'"), HasSubstr(":7:22: 'report': " + is_there));
   EXPECT_THAT(refusal("warp: {use: warps/test_shift, params: {notes: '" + notes + "'}}"),
-              HasSubstr(":7:59: 'warp.notes': " + is_there));
+              HasSubstr(":7:60: 'warp.notes': " + is_there));
   EXPECT_EQ(refusal("report: '" + notes + "'", "    overwrite: true\n"), "");
   EXPECT_EQ(refusal("report: notes.txt"), "");
 }

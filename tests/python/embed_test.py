@@ -78,7 +78,7 @@ class Embed(unittest.TestCase):
         written = self.embedded("filters/near", base + NEAR.replace("weft.Filter", "Base"))[2]
         self.assertEqual(written.count("&weft::python::process"), 1)
 
-    def test_each_mistake_of_a_class_is_told_with_its_name(self):
+    def test_each_mistake_of_a_class_is_reported_with_its_name(self):
         for wrong, right, said in (
                 ("filters/Near", "filters/near", "'filters/Near' is not of the form role/name"),
                 ("passes/near", "filters/near", "its class is of the role filters"),

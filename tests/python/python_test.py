@@ -37,7 +37,7 @@ class Pipelines(unittest.TestCase):
     def pipeline(self, stage):
         file = self.folder / "pipeline.yaml"
         file.write_text(f"""weft: 1
-source: {{use: sources/match_trials, params: {{trials: {FRAMES}, matches: 120, correct_rate: 0.7, noise_px: 0.5}}}}
+source: {{use: sources/match_trials, params: {{trials: {FRAMES}, matches: 120, inlier_rate: 0.7, noise_px: 0.5}}}}
 template:
   use: templates/rectangular
   params: {{texture: {ROOT}/pipelines/data/plain_sheet.png, width_m: 0.297, height_m: 0.178, columns: 10, rows: 6}}
@@ -94,7 +94,7 @@ class TheExample(Pipelines):
             ended = run("check", str(ROOT / "docs/examples/python_filter" / file))
             self.assertEqual(ended.returncode, 0, ended.stdout)
 
-    def test_a_wrong_value_is_told_at_its_place_as_of_any_component(self):
+    def test_a_wrong_value_is_reported_at_its_place_as_of_any_component(self):
         ended = run("check", self.pipeline("{use: filters/local_motion_numpy, params: {radius_px: 0}}"))
         self.assertEqual(ended.returncode, 2, ended.stdout)
         self.assertRegex(ended.stdout, r"pipeline\.yaml:7:\d+: .*radius_px")
@@ -117,8 +117,8 @@ class Isolation(Pipelines):
     STAGE = "{use: filters/test.faulty}"
 
     def test_a_stage_has_a_process_of_its_own_unless_the_pipeline_says_none(self):
-        apart = self.done(self.STAGE, "apart")
-        self.assertIn("isolate: process", (apart / "pipeline.yaml").read_text())
+        isolated = self.done(self.STAGE, "apart")
+        self.assertIn("isolate: process", (isolated / "pipeline.yaml").read_text())
         here = self.done("{use: filters/test.faulty, isolate: none}", "here")
         self.assertIn("isolate: none", (here / "pipeline.yaml").read_text())
         again = self.folder / "again"
@@ -158,12 +158,12 @@ class Faults(Pipelines):
             self.assertEqual(self.of("raise", isolate=isolate),
                              ("error", f"threw: ValueError: told to (faulty.py:{line}, in filter)"))
 
-    def test_of_what_is_raised_below_other_code_the_authors_line_is_told(self):
+    def test_of_what_is_raised_below_other_code_the_authors_line_is_reported(self):
         line = self.line_of("raise ValueError(what)")
         self.assertEqual(self.of("deep"),
                          ("error", f"threw: ValueError: deep inside (faulty.py:{line}, in told_to)"))
 
-    def test_a_failure_is_told_in_its_own_words(self):
+    def test_a_failure_keeps_its_own_message(self):
         self.assertEqual(self.of("failure"), ("error", "the matches are not as they should be; change them"))
 
     def test_answers_that_are_no_masks_are_refused(self):
@@ -177,7 +177,7 @@ class Faults(Pipelines):
             self.assertEqual(status, "no_result" if fault == "no_reason" else "error", fault)
             self.assertRegex(reason, said)
 
-    def test_inputs_are_read_only_views_that_nobody_may_keep(self):
+    def test_inputs_are_read_only_views_that_may_not_be_kept(self):
         self.assertRegex(self.of("write_input")[1], "ValueError: assignment destination is read-only")
         for isolate in ("process", "none"):
             self.assertIn("keeps a view of correspondences/image_px beyond the call",

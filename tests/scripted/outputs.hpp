@@ -60,14 +60,14 @@ class LineSink final : public weft::Sink {
   std::ofstream stream_;
 };
 
-/// Wishes by script, and writes what became of each. While a wish waits frames take their time, so
-/// that the run still goes when it is granted, however busy the machine is.
+/// Wishes by script, and writes what became of each. While a change request waits frames take their
+/// time, so that the run still goes when it is granted, however busy the machine is.
 class SteeringSink final : public weft::Sink {
  public:
   static constexpr weft::About kAbout{.reads = "frame_report run_settings"};
 
   explicit SteeringSink(weft::Params& p) {
-    p.labels("wishes", wishes_, "frames written before, and a letter; the wish");
+    p.labels("wishes", requests_, "frames written before, and a letter; the wish");
     p.output_path("path", path_, "lines: answers, and what each frame is told");
   }
 
@@ -89,14 +89,14 @@ class SteeringSink final : public weft::Sink {
   weft::Result<void> finish(const weft::Call&) override { return {}; }
 
   /// One at a time, so that a pause is heard before what ends it.
-  std::vector<weft::Wish> take_wishes() {
+  std::vector<weft::ChangeRequest> take_change_requests() {
     const std::lock_guard lock(mutex_);
-    if (asked_ == wishes_.size() || std::stoull(wishes_[asked_].first) > written_) return {};
+    if (asked_ == requests_.size() || std::stoull(requests_[asked_].first) > written_) return {};
     const auto number = static_cast<std::uint64_t>(asked_);
-    return {{number, wishes_[asked_++].second}};
+    return {{number, requests_[asked_++].second}};
   }
 
-  void answer(const weft::WishAnswer& answer) {
+  void answer(const weft::ChangeAnswer& answer) {
     const std::lock_guard lock(mutex_);
     ++answered_;
     lines_ << "answer " << answer.number << " frame " << answer.frame << ' ' << answer.refusal
@@ -109,7 +109,7 @@ class SteeringSink final : public weft::Sink {
     return answered_ < asked_;
   }
 
-  std::vector<std::pair<std::string, std::string>> wishes_;
+  std::vector<std::pair<std::string, std::string>> requests_;
   std::string path_;
   std::ofstream lines_;
   std::mutex mutex_;

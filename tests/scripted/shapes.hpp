@@ -177,7 +177,9 @@ class PlaneSolver final : public weft::Solver {
 /// Leaves the work to a nested solver.
 class HolderSolver final : public weft::Solver {
  public:
-  explicit HolderSolver(weft::Params& p) { p.component("start", start_, "does the work"); }
+  explicit HolderSolver(weft::Params& p) {
+    p.formerly("start").component("initial_guess", start_, "does the work");
+  }
   weft::Result<weft::Shape> solve(const weft::SolverInput& in) override { return start_.solve(in); }
 
  private:

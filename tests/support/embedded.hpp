@@ -9,7 +9,7 @@
 
 #include "host/records/npz.hpp"
 #include "pipeline/runs/frame_loop.hpp"
-#include "pipeline/runs/replay.hpp"
+#include "pipeline/dumps/replay.hpp"
 #include "support/run_lines.hpp"
 
 namespace weft::testing {
@@ -25,8 +25,8 @@ struct InMemory {
     const auto [config, report] = load_pipeline(file, registry, "run");
     EXPECT_TRUE(report.ok()) << report.text();
     if (!report.ok()) return all;
-    host::Lane lane(config.seed, {});
-    auto input = PipelineInput::open(config, lane);
+    host::ExecutionContext context(config.seed, {});
+    auto input = PipelineInput::open(config, context);
     EXPECT_TRUE(input) << input.error().message;
     if (!input) return all;
     all.camera = *host::view_as<Camera>(*input->camera());
@@ -80,14 +80,14 @@ inline void expect_same(const std::vector<ProcessedFrame>& frames, const std::st
     EXPECT_THAT(differences(outcome_of(run_folder, i), outcome_of(frames[i].shape)),
                 ::testing::IsEmpty())
         << "frame " << i;
-    nlohmann::json told = timeless_line(frames[i].report);
+    nlohmann::json embedded_line = timeless_line(frames[i].report);
     lines[i].erase("records");
     nlohmann::json& stages = lines[i]["stages"];
-    ASSERT_GE(stages.size(), told["stages"].size());
-    while (stages.size() > told["stages"].size()) stages.erase(stages.size() - 1);
+    ASSERT_GE(stages.size(), embedded_line["stages"].size());
+    while (stages.size() > embedded_line["stages"].size()) stages.erase(stages.size() - 1);
     stages.erase(stages.begin());
-    told["stages"].erase(told["stages"].begin());
-    EXPECT_EQ(told, lines[i]);
+    embedded_line["stages"].erase(embedded_line["stages"].begin());
+    EXPECT_EQ(embedded_line, lines[i]);
   }
 }
 

@@ -79,7 +79,7 @@ class Viewer:
         self.link = socket.create_connection(("127.0.0.1", port), timeout=patience_s)
         self.link.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.unread = bytearray()
-        self.wishes = 0
+        self.requests = 0
         try:
             self.link.sendall(upgrade_request(port, token))
             while b"\r\n\r\n" not in self.unread:
@@ -141,17 +141,17 @@ class Viewer:
     def insist(self, text: str) -> str:
         """Wishes until the run has room for it; why it refuses, or nothing."""
         end = time.monotonic() + PATIENCE_S
-        while "wish again" in (refusal := self.wish(text)["refusal"]) and time.monotonic() < end:
+        while "wish again" in (refusal := self.request(text)["refusal"]) and time.monotonic() < end:
             time.sleep(0.02)
         return refusal
 
-    def wish(self, text: str) -> dict:
+    def request(self, text: str) -> dict:
         """Wishes, and gives the answer."""
-        self.wishes += 1
-        self.say(type="wish", number=self.wishes, text=text)
+        self.requests += 1
+        self.say(type="wish", number=self.requests, text=text)
         while True:
             message = self.read()
-            if isinstance(message, dict) and message.get("number") == self.wishes:
+            if isinstance(message, dict) and message.get("number") == self.requests:
                 return message
 
 
@@ -284,8 +284,8 @@ class LiveRun:
             found.append(f"frames are lost: {len(lines)} are there, up to number "
                          f"{lines[-1]['frame'] if lines else None}")
         for line in lines:
-            told = {stage["stage"]: stage["status"] for stage in line["stages"]}
-            if line["failed"] or told.get("live") != "ok":
-                found.append(f"frame {line['frame']} has failed: {told}")
+            statuses = {stage["stage"]: stage["status"] for stage in line["stages"]}
+            if line["failed"] or statuses.get("live") != "ok":
+                found.append(f"frame {line['frame']} has failed: {statuses}")
                 break
         return found

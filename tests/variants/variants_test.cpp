@@ -133,8 +133,8 @@ void Variants::expect_agreement(const std::string& reference, const std::string&
     EXPECT_EQ(expected[f].masks.size(), 1U);
     ASSERT_GT(expected[f].vertices_m.rows(), 0);
     ASSERT_EQ(given[f].vertices_m.rows(), expected[f].vertices_m.rows());
-    const Points3 apart_m = given[f].vertices_m - expected[f].vertices_m;
-    worst_m = std::max(worst_m, apart_m.rowwise().norm().maxCoeff());
+    const Points3 distance_m = given[f].vertices_m - expected[f].vertices_m;
+    worst_m = std::max(worst_m, distance_m.rowwise().norm().maxCoeff());
   }
   std::cout << "largest distance of a vertex " << 1e3 * worst_m << " mm\n";
   EXPECT_LT(worst_m, kShapeTolerance_m);
@@ -149,7 +149,7 @@ TEST_P(InstructionSet, GivesTheMasksAndShapesOfTheOrdinaryBuild) {
   const std::string given = run("given", {folder});
   const auto used = libraries(given);
   for (const char* stage : {"detectors", "matchers", "filters", "filters/warp", "warps", "passes",
-                            "solvers", "solvers/start"}) {
+                            "solvers", "solvers/initial_guess"}) {
     EXPECT_EQ(used.at(stage), folder) << stage;
   }
   EXPECT_NE(used.at("sources"), folder);
@@ -193,7 +193,7 @@ TEST_F(Variants, MixInOneRun) {
   const std::string rest = plugins("avx2");
   const std::string mixed = run("mixed", {path("avx512"), path("plain"), rest});
   const auto used = libraries(mixed);
-  for (const char* stage : {"solvers", "solvers/start"}) EXPECT_EQ(used.at(stage), path("avx512"));
+  for (const char* stage : {"solvers", "solvers/initial_guess"}) EXPECT_EQ(used.at(stage), path("avx512"));
   for (const char* stage : {"warps", "filters/warp"}) EXPECT_EQ(used.at(stage), path("plain"));
   for (const char* stage : {"detectors", "matchers", "filters", "passes"}) {
     EXPECT_EQ(used.at(stage), rest) << stage;

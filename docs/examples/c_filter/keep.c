@@ -20,7 +20,7 @@ static int32_t describe(const weft_describe* sink, weft_error* error) {
       .struct_size = sizeof(weft_parameter),
       .default_value = {"max_deviation_px", WEFT_VALUE_F64, 0, 1, &usual_deviation_px, {0}},
       .unit = "px",
-      .help = "kept if it moves so nearly as the median match, along x and y together",
+      .help = "maximum deviation of a kept match from the median motion, along x and y together",
       .minimum = 0.0,
       .maximum = 10000.0,
       .role = "",

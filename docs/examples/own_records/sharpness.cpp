@@ -38,7 +38,7 @@ struct Measure final : weft::Stage<MeasureInput, MeasureOutput> {
 
   explicit Measure(weft::Params& p) {
     p.read("cell_px", cell_px, "px", {8, 512}, "side of a cell");
-    p.read("memory", memory, "", {0, 0.95}, "share of the previous frame's value");
+    p.read("memory", memory, "", {0, 0.95}, "weight of the previous frame's value");
   }
 
   weft::Result<MeasureOutput> run(const MeasureInput& in) override {
@@ -107,7 +107,7 @@ struct InFocus final : weft::Stage<FocusInput, FocusOutput> {
   double least = 20.0;
 
   explicit InFocus(weft::Params& p) {
-    p.read("least", least, "grey levels^2", {0, 1e6}, "a cell below it is left out");
+    p.read("least", least, "grey levels^2", {0, 1e6}, "sharpness below which a cell is excluded");
   }
 
   weft::Result<FocusOutput> run(const FocusInput& in) override {

@@ -12,8 +12,8 @@ class LocalMotion(weft.Filter):
     version = "1.0.0"
     sweep = ("max_deviation_px", [1, 2, 5, 10, 15, 20, 40, 80, 150])
 
-    radius_px = weft.number(60.0, "px", (1, 1000), "neighbourhood on the template")
-    max_deviation_px = weft.number(15.0, "px", (0, 500), "kept if within")
+    radius_px = weft.number(60.0, "px", (1, 1000), "radius of the neighbourhood on the template")
+    max_deviation_px = weft.number(15.0, "px", (0, 500), "maximum distance from median")
 
     def filter(self, given):
         matches = given.correspondences

@@ -9,8 +9,8 @@ struct LocalMotion final : weft::Filter {
   double radius_px = 60.0, max_deviation_px = 15.0;
 
   explicit LocalMotion(weft::Params& p) {
-    p.read("radius_px", radius_px, "px", {1, 1000}, "neighbourhood on the template");
-    p.read("max_deviation_px", max_deviation_px, "px", {0, 500}, "kept if within");
+    p.read("radius_px", radius_px, "px", {1, 1000}, "radius of the neighbourhood on the template");
+    p.read("max_deviation_px", max_deviation_px, "px", {0, 500}, "maximum distance from median");
   }
 
   weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `weft calibrate` is a program of its own, which links OpenCV; this hands over to it.
+// `weft calibrate` is a separate program, which links OpenCV; this file executes it.
 #include <unistd.h>
 
 #include <cerrno>
@@ -14,7 +14,7 @@
 namespace weft::cli {
 namespace {
 
-/// Goes on as weft-calibrate, which stands beside this program; returns only where that fails.
+/// Replaces this process by weft-calibrate from the same folder; returns only on failure.
 Error hand_over(std::vector<std::string> words) {
   std::string program = (program_root() / "bin/weft-calibrate").string();
   std::vector<char*> arguments{program.data()};

@@ -8,7 +8,7 @@ namespace weft::cli {
 // `weft data COMMAND`; each adds its own, and its callback sets Context::exit_code.
 void add_data_info(CLI::App& data, Context& context);
 void add_data_convert(CLI::App& data, Context& context);
-/// What `weft data convert --matches` is to write.
+/// Arguments of `weft data convert --matches`.
 struct MatchConversion {
   std::string path, folder;
   std::string format;  ///< csv or npz

@@ -8,7 +8,7 @@
 
 namespace weft::cli {
 
-/// What `weft data make frex --sheet` is asked for.
+/// Arguments of `weft data make frex --sheet`.
 struct FrexSheetRequest {
   std::string pdf_path;
   std::int64_t seed = 1;

@@ -9,7 +9,7 @@
 
 namespace weft::cli {
 
-/// What `weft data make frex --video` is asked for.
+/// Arguments of `weft data make frex --video`.
 struct FrexVideoRequest {
   std::string video, camera, layout, texture, background;
   std::int64_t seed = 1;

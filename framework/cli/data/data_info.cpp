@@ -20,7 +20,7 @@ ordered_json truth_json(const std::string& kind, const TruthSurvey& truth) {
   const bool measured = std::isfinite(truth.nearest_m);
   return {{"kind", kind},
           {"frames", truth.frames},
-          {"apart", truth.apart},
+          {"excluded", truth.excluded},
           {"fewest_points", truth.fewest_points},
           {"most_points", truth.most_points},
           {"points", truth.points},
@@ -79,7 +79,7 @@ void print_truth(const std::string& kind, const TruthSurvey& truth) {
   if (std::isfinite(truth.nearest_m)) {
     fmt::print(", {:.3f} to {:.3f} m away", truth.nearest_m, truth.furthest_m);
   }
-  if (truth.apart > 0) fmt::print(", {} apart", truth.apart);
+  if (truth.excluded > 0) fmt::print(", {} excluded", truth.excluded);
   for (const auto& [name, frames] : truth.has) {
     if (frames > 0) fmt::print(", {}", name);
   }

@@ -33,8 +33,8 @@ std::string one_line(std::string text) {
   return text;
 }
 
-/// The pipeline that simulates the sequence. It stands in the sequence and says how that was made,
-/// so it does not depend on where that is.
+/// The pipeline that simulates the sequence. It is stored in the sequence and documents how that
+/// was made, thus it does not depend on the location.
 GeneratedText simulation_text(const FrexOptions& options) {
   const std::string texture =
       yaml_quoted(std::filesystem::absolute(options.texture).lexically_normal().string());
@@ -97,7 +97,7 @@ void make(const FrexOptions& options, Context& context) {
                 context);
 }
 
-/// What belongs to a recorded video only, and to a simulation only.
+/// Adds the options of recorded videos only, and those of simulations only.
 void add_kinds(CLI::App& command, FrexOptions& options) {
   CLI::Option* video =
       command.add_option("--video", options.video, "Film of the sheet of markers, to be textured");

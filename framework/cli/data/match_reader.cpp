@@ -6,7 +6,7 @@
 #include <weft/truth/match_labels.hpp>
 
 #include "cli/standard_components.hpp"
-#include "host/calling/lane.hpp"
+#include "host/calling/execution_context.hpp"
 #include "host/roles/role_rules.hpp"
 #include "lab/metrics/runs/run_reader.hpp"
 #include "pipeline/configuration/config.hpp"
@@ -25,20 +25,20 @@ using lab::RunReader;
 /// Copies what the frames of a source hold.
 Result<void> copy_source(const host::ComponentSpec& spec, const std::atomic<bool>& cancel,
                          MatchWriter& writer) {
-  host::Lane lane(0, {});
-  lane.watch([&] { return cancel.load(); });
-  const auto source = lane.instantiate(spec, "sources");
+  host::ExecutionContext context(0, {});
+  context.cancellation().watch([&] { return cancel.load(); });
+  const auto source = context.instantiate(spec, "sources");
   if (!source) return source.error();
-  const Outcome opened = lane.call(**source, kOpenSource, {}, host::kOfflineFrame);
+  const Outcome opened = context.call(**source, kOpenSource, {}, host::kOfflineFrame);
   if (!opened.usable()) return opened.error;
   if (auto valid = check_camera(*opened.find("camera")); !valid) return valid;
   if (auto begun = writer.begin(*host::view_as<weft::Camera>(*opened.find("camera"))); !begun)
     return begun;
-  const Outcome counted = lane.call(**source, kCountFrames, {}, host::kOfflineFrame);
+  const Outcome counted = context.call(**source, kCountFrames, {}, host::kOfflineFrame);
   if (!counted.usable()) return counted.error;
   const std::int64_t count = host::view_as<Count>(*counted.find("count"))->frames;
   for (std::int64_t i = 0; (count < 0 || i < count) && !cancel.load(); ++i) {
-    const Outcome read = lane.call(**source, kReadFrame, {}, static_cast<std::uint64_t>(i));
+    const Outcome read = context.call(**source, kReadFrame, {}, static_cast<std::uint64_t>(i));
     if (count < 0 && read.status == WEFT_NO_RESULT) break;
     if (!read.usable() && cancel.load()) break;
     if (!read.usable()) return read.error;
@@ -90,7 +90,7 @@ class StageMatches {
   const MatchOrigin& origin_;
 };
 
-/// Labels where the truth knows no true images of the matches themselves.
+/// Labels where the truth has no true images of the matches themselves.
 Result<void> add_labels(const Correspondences& matches, const RunReader& run, double tolerance_px,
                         GroundTruth& truth) {
   const auto map = TruthMap::create(truth);

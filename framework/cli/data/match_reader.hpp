@@ -15,7 +15,7 @@ namespace weft::cli {
 struct MatchOrigin {
   std::string path;
   std::string camera;                 ///< file, where none lies beside the matches; or empty
-  std::string stage;                  ///< of a run folder; empty where only one has matches
+  std::string stage;                  ///< of a run folder; empty if only one stage has matches
   std::vector<std::string> settings;  ///< of a pipeline
   double tolerance_px = 2.0;          ///< of labels that follow from the truth
 };

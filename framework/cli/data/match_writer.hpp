@@ -20,7 +20,7 @@ class MatchWriter {
   /// Fails where something is in the folder.
   Result<void> begin(const weft::Camera& camera);
 
-  /// What the truth says of the matches themselves stands with them.
+  /// Labels from the ground truth are written beside the matches.
   Result<void> add(std::uint64_t frame, const Correspondences& matches,
                    const std::optional<GroundTruth>& truth);
 

@@ -92,7 +92,7 @@ void make_sequence(const GeneratedText& pipeline_text, const std::string& folder
   const auto [pipeline, report] =
       check_pipeline(file, registry, fs::absolute(folder).string(), settings);
   if (!report.ok()) {
-    fmt::print(stderr, "{}", pipeline_text.told(report, file));
+    fmt::print(stderr, "{}", pipeline_text.report_text(report, file));
     withdraw(folder);
     context.exit_code = kBadConfiguration;
     return;

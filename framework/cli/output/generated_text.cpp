@@ -12,7 +12,7 @@ void GeneratedText::add(const std::string& lines, const std::string& argument) {
   arguments_.insert(arguments_.end(), to_index(count), argument.empty() ? otherwise_ : argument);
 }
 
-std::string GeneratedText::told(const ConfigReport& report, const std::string& file) const {
+std::string GeneratedText::report_text(const ConfigReport& report, const std::string& file) const {
   std::string text;
   for (const yaml::Problem& problem : report.problems) {
     const bool is_here = report.sources.at(to_index(problem.at.source)).name == file;

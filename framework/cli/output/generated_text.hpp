@@ -20,7 +20,7 @@ class GeneratedText {
   const std::string& text() const { return text_; }
 
   /// One line an error: its place, or its argument where it is in `file`, which has this text.
-  std::string told(const ConfigReport& report, const std::string& file) const;
+  std::string report_text(const ConfigReport& report, const std::string& file) const;
 
  private:
   std::string otherwise_, text_;

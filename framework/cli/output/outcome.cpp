@@ -12,7 +12,7 @@ namespace weft::cli {
 void print_error(const Error& error) {
   const std::string line = fmt::format("error: {}{}{}\n", escaped(error.where),
                                        error.where.empty() ? "" : ": ", error.message);
-  std::fputs(line.c_str(), stderr);  // nobody is left to be told that this failed
+  std::fputs(line.c_str(), stderr);  // this failure cannot be reported any more
 }
 
 }  // namespace weft::cli

@@ -25,7 +25,7 @@ void guard_standard_streams() {
 namespace {
 
 /// Such as of `weft records | head`: that is no failure to talk about.
-bool nobody_reads() {
+bool has_no_reader() {
   pollfd output{STDOUT_FILENO, POLLOUT, 0};
   return poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
 }
@@ -34,11 +34,11 @@ bool nobody_reads() {
 
 bool standard_output_failed() {
   errno = 0;
-  // What std::cout was given is in here too.
+  // This includes the output of std::cout.
   const bool flushed = std::fflush(stdout) == 0;
   if (flushed && std::ferror(stdout) == 0) return false;
   const std::error_code code(errno, std::generic_category());
-  if (nobody_reads()) return true;
+  if (has_no_reader()) return true;
   print_error({Errc::io,
                "the standard output cannot be written" +
                    (code ? " (" + why_not_written(code) + ")" : std::string()),

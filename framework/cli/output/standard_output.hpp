@@ -9,7 +9,7 @@ namespace weft::cli {
 /// those that it starts.
 void guard_standard_streams();
 
-/// Whether something that was printed could not be written; prints that.
+/// True if some output could not be written; prints that error.
 bool standard_output_failed();
 
 }  // namespace weft::cli

@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-/// Text as XML has it; what XML cannot hold is left out.
+/// Text as XML; omits characters that XML cannot represent.
 std::string xml_text(const std::string& text) {
   std::string result;
   for (const char c : text) {
@@ -94,9 +94,9 @@ void print_report(const conformance::Report& report, bool verbose) {
   fmt::print("{}: {}{}\n", report.id, counted(report),
              report.skipped.empty() ? "" : "; skipped where it is called: " + report.skipped);
   for (const conformance::Finding& finding : report.findings) {
-    const bool is_told = verbose || finding.verdict == conformance::Verdict::fails ||
-                         finding.verdict == conformance::Verdict::deviates;
-    if (!is_told) continue;
+    const bool is_printed = verbose || finding.verdict == conformance::Verdict::fails ||
+                            finding.verdict == conformance::Verdict::deviates;
+    if (!is_printed) continue;
     fmt::print(
         "  {:<9} {}{}{}\n",
         finding.verdict == conformance::Verdict::does_not_apply ? "-" : to_text(finding.verdict),

@@ -8,7 +8,7 @@
 
 #include "kit/conformance/conformance.hpp"
 
-/// What `weft plugins check` found, in all its forms.
+/// Results of `weft plugins check` in all output formats.
 namespace weft::cli {
 
 nlohmann::ordered_json report_json(const std::vector<conformance::Report>& reports,
@@ -17,7 +17,7 @@ nlohmann::ordered_json report_json(const std::vector<conformance::Report>& repor
 /// As JUnit has it: a suite for each component, a case for each check.
 std::string report_junit(const std::vector<conformance::Report>& reports);
 
-/// Lines of a component; each check where `verbose` says so.
+/// Lines of a component; with `verbose` each check has a line.
 void print_report(const conformance::Report& report, bool verbose);
 void print_summary(const std::vector<conformance::Report>& reports);
 

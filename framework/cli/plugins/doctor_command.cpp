@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
-/// What pipelines/demo.yaml uses, the pipeline that a new user runs first.
+/// Components of pipelines/demo.yaml, the pipeline that a new user runs first.
 constexpr const char* kDemoPlugins[] = {
     "sources/synthetic",    "templates/rectangular", "detectors/sift_fast",
     "matchers/descriptor",  "filters/aem",           "warps/bbs",
@@ -33,17 +33,17 @@ constexpr const char* kDemoPlugins[] = {
 ordered_json folders_json(const host::Registry& registry) {
   ordered_json folders = ordered_json::array();
   for (const host::SearchFolder& folder : registry.folders()) {
-    const auto stands_here = [&](const std::string& file) {
+    const auto is_in_folder = [&](const std::string& file) {
       return file == folder.path || fs::path(file).parent_path() == folder.path;
     };
     const auto usable =
         std::count_if(registry.installed().begin(), registry.installed().end(),
                       [&](const host::Installed& entry) {
-                        return !entry.shadowed && stands_here(entry.library->library);
+                        return !entry.shadowed && is_in_folder(entry.library->library);
                       });
     const auto refused =
         std::count_if(registry.refusals().begin(), registry.refusals().end(),
-                      [&](const host::Refusal& refusal) { return stands_here(refusal.file); });
+                      [&](const host::Refusal& refusal) { return is_in_folder(refusal.file); });
     folders.push_back({{"path", folder.path},
                        {"origin", folder.origin},
                        {"usable", usable},
@@ -78,7 +78,7 @@ ordered_json demo_json(const host::Registry& registry) {
   return plugins;
 }
 
-/// What `isolate: process` needs; reason is empty when it is there.
+/// Requirements of `isolate: process`; the reason is empty if they are met.
 ordered_json isolation_json() {
   std::error_code code;
   const fs::path worker = fs::read_symlink("/proc/self/exe", code).parent_path() / "weft-worker";

@@ -18,7 +18,7 @@ struct TemporaryFolder {
 };
 TemporaryFolder temporary_folder();
 
-/// [bytes] that programs can still have, 0 when the system does not say.
+/// [bytes] memory available to programs, 0 if the system does not report it
 std::uint64_t available_memory_bytes();
 
 struct Camera {

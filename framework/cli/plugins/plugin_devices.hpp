@@ -7,8 +7,9 @@
 
 namespace weft::cli {
 
-/// What plugins could compute on, one entry for each library that says so: [{plugins, devices,
-/// reason}]; reason is why a library could not be asked, else empty. These libraries are loaded.
+/// Compute devices of plugins, one entry for each library that reports devices: [{plugins, devices,
+/// reason}]. The reason is empty unless the library could not be queried. These libraries are
+/// loaded.
 nlohmann::ordered_json plugin_devices(const host::Registry& registry);
 
 }  // namespace weft::cli

@@ -19,7 +19,7 @@ using nlohmann::ordered_json;
 
 /// A place where a component stands, and what became of it.
 struct Finding {
-  std::string id;     ///< empty where the file does not say
+  std::string id;     ///< empty if the file does not state it
   std::string state;  ///< "used", "shadowed", "refused", "not searched"
   std::string library, version, origin;
   std::string cause, fix;  ///< of anything but used
@@ -80,8 +80,8 @@ Finding finding_of(const host::Registry& registry, const host::Installed& entry)
   return finding;
 }
 
-/// Whether a refused file is, or would have brought, this component. A library bears its first id,
-/// so one without a readable manifest is known by its name.
+/// True if a refused file is this component or would have provided it. A library is named after its
+/// first id, which identifies a library without a readable manifest.
 bool concerns(const host::Refusal& refusal, const std::string& id) {
   if (!refusal.ids.empty()) {
     return std::find(refusal.ids.begin(), refusal.ids.end(), id) != refusal.ids.end();

@@ -9,8 +9,8 @@
 
 namespace weft::cli {
 
-/// What the role of a component takes and makes, a line for each method: "detect takes image*,
-/// region; makes keypoints*", with an asterisk at what every use has.
+/// Inputs and outputs of a component's role, one line per method: "detect takes image*, region;
+/// makes keypoints*". An asterisk marks those that every use has.
 std::vector<std::string> role_lines(const host::ComponentManifest& component);
 
 /// The same as [{name, takes: [{slot, always}], makes: [{slot, always}]}].

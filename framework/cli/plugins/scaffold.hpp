@@ -9,7 +9,7 @@
 
 namespace weft::cli {
 
-/// What a new plugin is called.
+/// Names of a new plugin.
 struct PluginName {
   std::string role;    ///< "filters"
   std::string vendor;  ///< before the dot of the id, or empty
@@ -19,8 +19,8 @@ struct PluginName {
   std::string id() const { return role + "/" + component(); }
 };
 
-/// The name that these arguments give; the role may be "filter" or "filters". The error says which
-/// argument is wrong and what may have been meant.
+/// The name that these arguments give; the role may be "filter" or "filters". The error reports the
+/// wrong argument and suggests a correction.
 Result<PluginName> plugin_name(const std::string& role, const std::string& name,
                                const std::string& vendor);
 

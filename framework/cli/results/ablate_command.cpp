@@ -43,7 +43,7 @@ struct AblateOptions {
 
 constexpr const char* kSlurm = "slurm";
 
-/// A line on the terminal that is drawn over itself; elsewhere a line now and then.
+/// A line on the terminal that overwrites itself; elsewhere a line now and then.
 class ProgressLine {
  public:
   ProgressLine(std::size_t cells, bool quiet)
@@ -161,7 +161,7 @@ Result<lab::AblationState> execute(lab::Grid& grid, const lab::ResultsFolder& fo
   return state;
 }
 
-/// What concerns Slurm alone: true when it was all there was to do.
+/// Runs commands that concern Slurm alone: true if nothing else is left to do.
 bool manage_slurm(lab::Grid& grid, const AblateOptions& options, Context& context) {
   if (options.engine != kSlurm) return false;
   if (!options.slurm.task.empty()) {
@@ -194,6 +194,7 @@ void ablate(AblateOptions options, Context& context) {
   const auto registry = context.registry();
   auto [grid, report] = lab::load_grid(options.plan, registry, options.settings, standard_helpers(),
                                        options.without, isolating_of(options.isolate));
+  fmt::print(stderr, "{}", report.warning_text());
   if (!report.ok()) {
     print_report(report);
     tell_slurm_failure(options.slurm, options.folder, report.text());

@@ -8,8 +8,8 @@
 
 namespace weft::cli {
 
-/// What `weft ablate PLAN --out FOLDER --jobs N --set ...` does, with --dry-run where `is_dry`;
-/// sets Context::exit_code.
+/// Runs `weft ablate PLAN --out FOLDER --jobs N --set ...`, with --dry-run if `is_dry`; sets
+/// Context::exit_code.
 void ablate_plan(const std::string& plan, const std::string& folder, int jobs,
                  const std::vector<std::string>& settings, bool is_dry, Context& context);
 

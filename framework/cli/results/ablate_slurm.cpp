@@ -45,7 +45,7 @@ void add_slurm_options(CLI::App& command, SlurmArguments& arguments) {
   command.add_flag("--cancel", arguments.cancel, "End all tasks; finished cells stay")
       ->excludes("--status")
       ->group(kGroup);
-  command.add_option("--task", arguments.task)->group("");  // what jobs are called with
+  command.add_option("--task", arguments.task)->group("");  // argument of jobs
 }
 
 std::string program_word() {
@@ -108,8 +108,9 @@ void tell_slurm_failure(const SlurmArguments& arguments, const std::string& fold
                         const std::string& reason) {
   if (arguments.task.empty()) return;
   const auto id = cluster::task_id(arguments.task);
-  const auto told = id ? cluster::report_failure(folder, *id, reason) : Result<void>(id.error());
-  if (!told) print_error(told.error());
+  const auto reported =
+      id ? cluster::report_failure(folder, *id, reason) : Result<void>(id.error());
+  if (!reported) print_error(reported.error());
 }
 
 void print_submitted(const lab::AblationState& state, const std::string& folder) {

@@ -11,14 +11,14 @@
 
 namespace weft::cli {
 
-/// What `weft ablate --engine slurm` is told besides.
+/// Additional arguments of `weft ablate --engine slurm`.
 struct SlurmArguments {
   std::string partition;
   std::vector<std::string> sbatch;
-  double chunk_minutes = 0.0;  ///< [min] 0 where it was not said
-  double cell_seconds = 0.0;   ///< [s] 0 where it was not said
+  double chunk_minutes = 0.0;  ///< [min] 0 if not given
+  double cell_seconds = 0.0;   ///< [s] 0 if not given
   bool cancel = false;
-  std::string task;  ///< of a job: what it is to run, see cluster::TaskId
+  std::string task;  ///< task of a job, see cluster::TaskId
 
   bool any() const;
 };

@@ -33,7 +33,7 @@ struct CompareOptions {
   bool is_dry = false;
 };
 
-/// The name of a file without what may not stand in the name of a value.
+/// The name of a file without characters that the name of a value may not contain.
 std::string plain_name(const std::string& file) {
   std::string name = fs::path(file).stem().string();
   std::replace_if(
@@ -49,7 +49,7 @@ std::vector<std::string> names_of(const CompareOptions& options) {
   return names;
 }
 
-/// What `weft ablate` would be given to answer the same.
+/// The plan with which `weft ablate` repeats the comparison.
 Result<GeneratedText> plan_text(const CompareOptions& options, const std::string& name,
                                 const host::Registry& registry) {
   const std::vector<std::string> names = names_of(options);
@@ -95,12 +95,12 @@ std::string different_frames(const lab::Grid& grid) {
          "data that both are to read: --data FOLDER";
 }
 
-/// Loads the plan, so that mistakes are said before anything runs.
+/// Loads the plan, so that errors are reported before anything runs.
 bool is_sound(const std::string& plan, const GeneratedText& text, const CompareOptions& options,
               const host::Registry& registry) {
   auto [grid, report] = lab::load_grid(plan, registry, options.settings, standard_helpers());
   if (!report.ok()) {
-    fmt::print(stderr, "{}", text.told(report, plan));
+    fmt::print(stderr, "{}", text.report_text(report, plan));
     return false;
   }
   const std::string why = options.data.empty() ? different_frames(grid) : "";

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What `folders` of a plan takes.
+/// Values of `folders` in a plan.
 bool is_plain_sequence(const fs::path& folder) {
   std::error_code code;
   return fs::is_regular_file(folder / "camera.yaml", code) &&
@@ -30,7 +30,7 @@ std::vector<fs::path> children_of(const fs::path& folder) {
   return children;
 }
 
-/// Parameters that are paths stand in the folder of the data.
+/// Parameters that are paths are relative to the folder of the data.
 void make_absolute(yaml::Node& source, const std::string& folder, const host::Registry& registry) {
   const yaml::Node* use = source.find("use");
   const host::Installed* installed = registry.find(use->scalar);

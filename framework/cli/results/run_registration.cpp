@@ -70,10 +70,10 @@ Result<void> RunRegistration::open_source(const std::string& folder) {
   auto templ = template_of(folder);
   if (!templ) return templ.error();
   template_ = *std::move(templ);
-  auto lane = lane_of(config_, {});
-  if (!lane) return lane.error();
-  lane_ = *std::move(lane);
-  auto input = PipelineInput::open(config_, *lane_);
+  auto context = context_of(config_, {});
+  if (!context) return context.error();
+  context_ = *std::move(context);
+  auto input = PipelineInput::open(config_, *context_);
   if (!input) return input.error();
   input_ = *std::move(input);
   const std::string& id = spec_.component().id;
@@ -84,10 +84,10 @@ Result<void> RunRegistration::open_source(const std::string& folder) {
                      id + "' to the pipeline and run it",
                  config_.file};
   }
-  const auto pass = lane_->instantiate(spec_, id);
+  const auto pass = context_->instantiate(spec_, id);
   if (!pass) return pass.error();
   pass_ = *pass;
-  return lane_->prepare(*pass_, *template_, *input_->camera());
+  return context_->prepare(*pass_, *template_, *input_->camera());
 }
 
 Result<std::optional<Registration>> RunRegistration::measure(const lab::FrameLine& line,
@@ -120,7 +120,7 @@ Result<host::RecordPtr> RunRegistration::measure(std::uint64_t frame, const host
   const std::vector<weft_record> inputs{template_->view("template"),
                                         input_->camera()->view("camera"), image->view("image"),
                                         shape.view("shape")};
-  host::Outcome outcome = lane_->call(*pass_, kRunStage, inputs, frame);
+  host::Outcome outcome = context_->call(*pass_, kRunStage, inputs, frame);
   if (outcome.usable()) return outcome.find("registration");
   const Error& error = outcome.error;
   return Error{error.code, name + ": " + error.message, error.where};

@@ -13,7 +13,7 @@
 
 namespace weft::cli {
 
-/// What --flat-reference says.
+/// Arguments of --flat-reference.
 struct FlatReference {
   bool wanted = false;
   std::string words;                  ///< file of words; empty: cells of a grid
@@ -24,8 +24,8 @@ struct FlatReference {
 /// that --flat-reference stands for.
 class RunRegistration {
  public:
-  /// Fails with the first mistake in the run's pipeline or in `reference`, where the source cannot
-  /// be opened, and where it is live, whose images are gone.
+  /// Fails with the first error in the run's pipeline or in `reference`, if the source cannot be
+  /// opened, and if it is live, because its images are gone.
   static Result<std::unique_ptr<RunRegistration>> open(const std::string& folder,
                                                        const FlatReference& reference,
                                                        const host::Registry& registry);
@@ -44,7 +44,7 @@ class RunRegistration {
 
   PipelineConfig config_;
   host::ComponentSpec spec_;
-  std::unique_ptr<host::Lane> lane_;
+  std::unique_ptr<host::ExecutionContext> context_;
   std::optional<PipelineInput> input_;
   host::RecordPtr template_;
   host::Instance* pass_ = nullptr;

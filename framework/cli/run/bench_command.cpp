@@ -47,17 +47,17 @@ T need(Result<T> result, const std::string& file) {
   end(std::move(error), exit_code);
 }
 
-/// What was measured; a frame with an error ends the command.
+/// Returns a measurement; a frame with an error ends the command.
 template <class T>
 T need(Result<T> measured) {
   if (!measured) end(measured.error(), kFramesFailed);
   return *std::move(measured);
 }
 
-/// Where the sinks of a pipeline write, a folder of its own in the scratch folder.
+/// Output folder of a pipeline's sinks, inside the scratch folder.
 std::string sink_folder(const ScratchFolder& scratch, std::size_t pipeline) {
   std::string folder = scratch.path() + "/" + std::to_string(pipeline);
-  std::error_code ignored;  // sinks say what they cannot write
+  std::error_code ignored;  // sinks report files that they cannot write
   fs::create_directories(folder, ignored);
   return folder;
 }
@@ -81,7 +81,7 @@ std::vector<CheckedPipeline> check_all(const std::vector<bench::Entry>& entries,
   return ok ? std::move(pipelines) : std::vector<CheckedPipeline>{};
 }
 
-/// Counts in a process of its own that runs nothing but this pipeline.
+/// Counts in a separate process that runs nothing but this pipeline.
 Result<bench::Counts> count(const bench::Entry& entry, const bench::Settings& how, bool with_sinks,
                             const Context& context, const std::atomic<bool>& interrupted) {
   std::error_code code;
@@ -103,7 +103,7 @@ void show_progress(std::size_t done, std::size_t turns) {
   if (done == turns) fmt::print(stderr, "\r");
 }
 
-/// Of this thread alone: waiting for a core does not count.
+/// Time of this thread alone: waiting for a core does not count.
 double processor_ms() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -159,7 +159,7 @@ bench::Report measure_all(const BenchOptions& options, const std::vector<bench::
   return report;
 }
 
-/// What the process does that only counts.
+/// Prints the counts in the process that only counts.
 void print_counts(const BenchOptions& options, const CheckedPipeline& pipeline,
                   const std::atomic<bool>& interrupted) {
   const auto counts = need(bench::count_here(pipeline, options.how, interrupted), options.pipeline);

@@ -49,7 +49,7 @@ void add_bench_options(CLI::App& command, BenchOptions& options) {
   add_overwrite(command, options.overwrite);
   command.add_flag("--quiet", options.quiet, "No progress");
   command.add_flag("--counts", options.counts, "Run PIPELINE once and print what was counted")
-      ->group("");  // what this command starts for each pipeline
+      ->group("");  // this command starts it for each pipeline
 }
 
 std::vector<bench::Entry> entries_of(const BenchOptions& options) {

@@ -8,9 +8,9 @@
 
 namespace weft::cli {
 
-/// Opens a page by the desktop, if there is one. An address with a token is a secret that the
-/// arguments of a program would show to all users: the browser is given a private file that leads
-/// to the page, which is removed with this object.
+/// Opens a page with the desktop's browser, if there is one. An address with a token is a secret,
+/// and all users can read the arguments of a program. The browser therefore receives a private file
+/// that redirects to the page. This object removes the file when it is destroyed.
 class Browser {
  public:
   void open(const std::string& page, const std::string& token);

@@ -19,7 +19,7 @@ struct CheckOptions {
   std::vector<std::string> files, settings, without;
 };
 
-/// What there is to say of a sound file; the report has the mistakes of another.
+/// Messages about a valid file; the report has the errors of an invalid one.
 std::pair<std::string, ConfigReport> check_file(const std::string& file,
                                                 const CheckOptions& options,
                                                 const host::Registry& registry) {

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kCells = 12;  ///< along the longer side of a picture: few, for speed
+constexpr int kCells = 12;  ///< along the longer side of an image: few, for speed
 
 struct InitOptions {
   std::string folder, picture, object, video;
@@ -109,7 +109,7 @@ std::string pipeline_text(const InitOptions& options, const std::string& templ) 
              "  - {{use: warps/bbs, params: {{robust: \"off\"}}}}\n"
              "  - use: passes/salient_cells\n"
              "  - use: solvers/particle_sft\n"
-             "    params: {{start: {{use: solvers/brunet_mdh}}, tracked_damping: 0.05}}\n"
+             "    params: {{initial_guess: {{use: solvers/brunet_mdh}}, tracked_damping: 0.05}}\n"
              "sinks:\n"
              "  - {{use: sinks/live, as: live}}\n",
              params, templ);

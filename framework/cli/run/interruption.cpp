@@ -10,7 +10,7 @@
 #include <cstring>
 
 #include "cli/run/sudden_end.hpp"
-#include "host/calling/lane.hpp"
+#include "host/calling/execution_context.hpp"
 
 namespace weft::cli {
 namespace {
@@ -20,8 +20,8 @@ struct Line {
   std::size_t length;
 };
 
-// A signal handler can reach nothing but objects with static storage. What runs is written into the
-// line that is not shown, which is then shown.
+// A signal handler can access only objects with static storage. The running component is written
+// into the line that is not shown, which is then shown.
 std::atomic<bool> signal_came{false};
 std::array<Line, 2> lines_of_stages{};
 std::atomic<std::size_t> current{0};
@@ -37,7 +37,7 @@ void on_signal(int signal) {
   end_at_once(128 + signal);
 }
 
-/// What runs is told by whoever ends the process, by a signal or by a mistake.
+/// On a signal or an error, the code that ends the process prints what ran.
 void tell(const std::string& what, bool of_run) {
   now_running_here(what, of_run);
   const std::size_t next = 1 - current.load();

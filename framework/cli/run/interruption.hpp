@@ -13,7 +13,7 @@ namespace weft::cli {
 inline constexpr int kInterruptedTwice = 130;
 
 /// From now on the first SIGINT or SIGTERM sets this flag instead of ending the process. The second
-/// one ends it at once, with exit code 128 and the number of the signal, and says on stderr what
+/// one ends it at once, with exit code 128 and the number of the signal, and prints on stderr what
 /// ran.
 const std::atomic<bool>& watch_for_interruption();
 

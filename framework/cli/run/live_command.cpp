@@ -27,7 +27,7 @@ struct LiveOptions {
   bool demo = false, keep = false, record = false, no_browser = false;
 };
 
-/// Laid over every pipeline: the page, the newest frame only, and what keeps the frames.
+/// Merged into every pipeline: the page, the newest frame only, and what keeps the frames.
 Patch live_patch(bool records) {
   std::string text = std::string("realtime: latest\nsinks:\n  - {use: ") + kSink + ", as: live}\n";
   if (records) {
@@ -38,8 +38,8 @@ Patch live_patch(bool records) {
   return {{{"", "", true, "weft live", true}}, std::move(parsed->root)};
 }
 
-/// Plays a film in place of what the pipeline reads; the camera file stays where the source is one
-/// of films and cameras already.
+/// Plays a film instead of the pipeline's source; the camera file stays if the source already takes
+/// films and cameras.
 Patch video_patch(const std::string& video) {
   yaml::Node source, params, root;
   source.kind = params.kind = root.kind = yaml::Kind::map;
@@ -60,7 +60,7 @@ std::optional<std::string> value_of(const StageConfig& stage, const std::string&
   return value->scalar;
 }
 
-/// What the user opens.
+/// The address that the user opens.
 struct Page {
   std::string address;  ///< without the token
   std::string token;    ///< empty where none is needed
@@ -108,14 +108,14 @@ std::string own_pipeline(const char* name) {
   return (program_root() / "share/weft/pipelines" / name).string();
 }
 
-/// The file to run where none is asked for: a pipeline of `weft init` here, else one that comes
-/// with the program.
+/// The file to run by default: a pipeline of `weft init` here, else one that comes with the
+/// program.
 std::string pipeline_of(const LiveOptions& options) {
   if (options.demo) return own_pipeline("live_demo.yaml");
   return fs::exists("live.yaml") ? "live.yaml" : own_pipeline("live.yaml");
 }
 
-/// What to hold before the camera, where the pipeline is one of the program's.
+/// The object to hold before the camera, if the pipeline is one of the program's.
 std::string object_of(const LiveOptions& options, const std::string& pipeline) {
   if (pipeline != own_pipeline("live.yaml") || !options.video.empty()) return "";
   return "Show the camera " + own_pipeline("data/sheet_texture.png") +
@@ -123,7 +123,7 @@ std::string object_of(const LiveOptions& options, const std::string& pipeline) {
          "FOLDER/live.yaml.\n";
 }
 
-/// Whether a camera is what a pipeline could not run for.
+/// True if a pipeline could not run because a camera is missing.
 bool is_about_camera(const PipelineConfig& config, const Error& error) {
   if (error.code == Errc::cancelled || config.source->component.component().id != kVideo) {
     return false;

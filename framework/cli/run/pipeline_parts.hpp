@@ -31,8 +31,8 @@ struct TemplateKey {
 /// Fails where a file is no image whose size is known.
 Result<ImageHeader> picture_header(const std::string& path);
 
-/// templates/rectangular of a picture from edge to edge, with about so many square cells along
-/// its longer side. Fails where the file is no image.
+/// templates/rectangular of an image from edge to edge, with about this number of square cells
+/// along its longer side. Fails if the file is no image.
 Result<TemplateKey> flat_template(const std::string& picture, double width_m, int cells);
 
 /// templates/photo of a photograph; `more` are further entries of its parameters, or empty.

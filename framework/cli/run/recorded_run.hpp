@@ -7,8 +7,8 @@
 
 namespace weft::cli {
 
-/// What the lines of a frames.jsonl tell of a run. Fails where the file cannot be read or a line of
-/// it is none of a run, with its number.
+/// Summary of a run from the lines of its frames.jsonl. Fails if the file cannot be read or if a
+/// line is not part of a run; the error has the line number.
 Result<RecordedRun> recorded_run(const std::string& file);
 
 }  // namespace weft::cli

@@ -9,7 +9,7 @@
 #include "cli/commands.hpp"
 #include "cli/output/new_file.hpp"
 #include "cli/run/interruption.hpp"
-#include "pipeline/runs/replay.hpp"
+#include "pipeline/dumps/replay.hpp"
 
 namespace weft::cli {
 namespace {
@@ -26,7 +26,7 @@ const char* name_of(weft_status status) {
   return kNames[static_cast<int>(status)];
 }
 
-/// Mistakes in files are input and output, all others are the caller's.
+/// Errors in files get the exit code of input and output, all others that of the caller.
 int exit_code_of(const Error& error) {
   const bool file =
       error.code == Errc::io || error.code == Errc::syntax || error.code == Errc::invalid_data;
@@ -52,7 +52,7 @@ Result<std::vector<std::string>> calls_of(const std::string& records, const std:
   return files;
 }
 
-/// What all calls came to.
+/// Totals of all calls.
 struct Summary {
   int identical = 0, different = 0;
   std::vector<double> ms;
@@ -96,7 +96,7 @@ Result<Summary> replay(const ReplayOptions& options, const Context& context) {
   const auto registry = context.registry();
   const auto replay = Replay::create(registry, *stage, options.params);
   if (!replay) {
-    // Whatever the components say, no file is to blame.
+    // No file is to blame for errors of the components.
     const Error& error = replay.error();
     return Error{error.code == Errc::io ? Errc::io : Errc::invalid_value, error.message,
                  error.where};

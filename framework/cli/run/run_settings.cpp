@@ -40,22 +40,22 @@ Isolating isolating_of(const std::string& choice) {
 }
 
 std::string words_on_isolation(const PipelineConfig& config) {
-  std::vector<std::string> apart;
+  std::vector<std::string> isolated;
   const auto look = [&](const StageConfig& stage) {
     const std::string& id = stage.component.component().id;
-    const bool is_new = std::find(apart.begin(), apart.end(), id) == apart.end();
-    if (stage.apart_unasked && is_new) apart.push_back(id);
+    const bool is_new = std::find(isolated.begin(), isolated.end(), id) == isolated.end();
+    if (stage.isolated_by_default && is_new) isolated.push_back(id);
   };
   for (const auto* single : {&config.source, &config.templ}) look(**single);
   for (const auto* list : {&config.stages, &config.sinks}) {
     std::for_each(list->begin(), list->end(), look);
   }
-  if (apart.empty()) return {};
-  std::string names = apart.front();
-  for (std::size_t i = 1; i < apart.size(); ++i) {
-    names += (i + 1 < apart.size() ? ", " : " and ") + apart[i];
+  if (isolated.empty()) return {};
+  std::string names = isolated.front();
+  for (std::size_t i = 1; i < isolated.size(); ++i) {
+    names += (i + 1 < isolated.size() ? ", " : " and ") + isolated[i];
   }
-  return names + (apart.size() > 1
+  return names + (isolated.size() > 1
                       ? " run in processes of their own (--isolate none runs them here)"
                       : " runs in a process of its own (--isolate none runs it here)");
 }

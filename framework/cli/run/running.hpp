@@ -23,7 +23,7 @@ struct RunArguments {
   std::string isolate = "auto";  ///< see isolating_of()
   /// Called before the first frame, when all sinks are open.
   std::function<void(const PipelineConfig& config)> started{};
-  /// Called after the mistakes of a pipeline that is not legal.
+  /// Called after the errors of an invalid pipeline were printed.
   std::function<void(const ConfigReport& report)> refused{};
   /// Called after the error of a legal pipeline that could not run.
   std::function<void(const PipelineConfig& config, const Error& error)> failed{};
@@ -34,8 +34,8 @@ struct RunCounts {
   std::int64_t frames = 0, estimated = 0, weak = 0;
 };
 
-/// Checks and runs a pipeline with progress on stderr; prints what came of it, and mistakes. All
-/// counts are 0 where it could not run.
+/// Checks and runs a pipeline with progress on stderr; prints the results and errors. All counts
+/// are 0 if it could not run.
 RunCounts run(const RunArguments& arguments, Context& context);
 
 }  // namespace weft::cli

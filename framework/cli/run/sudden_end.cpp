@@ -77,7 +77,7 @@ void say(const char* text, std::size_t length) {
 }
 void say(const char* text) { say(text, std::strlen(text)); }
 
-/// What ran, and what came of it.
+/// Prints what ran, and how it ended.
 void say_what_ran(const char* how, const char* more) {
   const Text& known = here.length > 0 ? here : anywhere;
   say("\n");
@@ -108,7 +108,7 @@ void on_deadly(int signal, siginfo_t* info, void*) {
   if (info->si_code <= 0) raise(signal);
 }
 
-/// Whoever called this was not us.
+/// Handles a call that did not come from this program.
 void on_exit_of_component(const char* function) {
   if (watched != getpid()) return;
   say_what_ran("called ", function);

@@ -19,7 +19,7 @@ std::vector<std::string> choices_of(const CLI::Option& option) {
   return choices;
 }
 
-/// The words of the program's help say what a value is.
+/// The placeholders of values in the program's help determine their kind.
 Completed completed_by(const OptionWords& option) {
   if (!option.choices.empty()) return Completed::choice;
   const std::string& text = option.positional ? option.names.front() : option.value;

@@ -8,7 +8,7 @@
 
 namespace weft::cli {
 
-/// What completes a word of the command line.
+/// Completions of a word of the command line.
 enum class Completed : std::uint8_t { flag, file, folder, plugin, choice };
 
 /// An option or a positional argument, as the help of its command has it.

@@ -8,8 +8,8 @@
 
 namespace weft::cli {
 
-// Scripts that complete commands, options, their choices, files, folders and ids of plugins, which
-// they ask the program for.
+// Scripts that complete commands, options, their choices, files, folders and ids of plugins. They
+// call the program for the ids.
 std::string bash_completion(const std::vector<CommandWords>& commands);
 std::string zsh_completion(const std::vector<CommandWords>& commands);
 std::string fish_completion(const std::vector<CommandWords>& commands);

@@ -39,7 +39,7 @@ constexpr const char* kBashEnd =
 complete -F _weft weft
 )";
 
-/// What a value may be, as assignments.
+/// Possible values, as assignments.
 std::string assignments_of(const OptionWords& option) {
   switch (option.by) {
     case Completed::flag:
@@ -56,7 +56,7 @@ std::string assignments_of(const OptionWords& option) {
   return "";
 }
 
-/// What a word may be that begins without a dash.
+/// Possible words that begin without a dash.
 std::string assignments_of(const CommandWords& command) {
   if (!command.commands.empty()) return fmt::format("words='{}'", fmt::join(command.commands, " "));
   const OptionWords* positional = command.positional();

@@ -38,7 +38,7 @@ std::string word_of(const std::string& text) {
   return word + "'";
 }
 
-/// What a value may be, as arguments of `complete`.
+/// Possible values, as arguments of `complete`.
 std::string values_of(const OptionWords& option) {
   switch (option.by) {
     case Completed::flag:

@@ -37,7 +37,7 @@ constexpr const char* kZshEnd =
 if [[ ${funcstack[1]} == _weft ]]; then _weft "$@"; else compdef _weft weft; fi
 )zsh";
 
-/// What a value may be, as a command.
+/// Possible values, as a command.
 std::string command_for(const OptionWords& option) {
   switch (option.by) {
     case Completed::flag:

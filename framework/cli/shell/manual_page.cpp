@@ -54,7 +54,7 @@ std::string section(const char* name, const std::string& text) {
   return text.empty() ? "" : fmt::format(".SH {}\n{}", name, text);
 }
 
-/// What stands behind the options: exit codes, line by line, or anything else.
+/// Text after the options: exit codes line by line, or other text.
 std::string end_of(const CommandWords& command) {
   constexpr std::string_view kCodes = "Exit codes:\n";
   const bool has_codes = command.footer.starts_with(kCodes);

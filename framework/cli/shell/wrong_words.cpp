@@ -87,7 +87,7 @@ const CLI::Option* option_of(const Given& given, std::string_view text) {
   return nullptr;
 }
 
-/// What CLI11 says of values, as this program says it.
+/// Rewords CLI11's messages about values in the style of this program.
 std::string of_values(const Given& given, const CLI::ParseError& error) {
   std::string text = error.what();
   const CLI::Option* option = option_of(given, text);
@@ -132,7 +132,7 @@ void group_commands(CLI::App& program) {
     std::vector<const char*> commands;
   };
   const std::vector<Group> groups{
-      {"Begin", {"track", "live", "init", "run", "check"}},
+      {"Begin", {"track", "live", "init", "run", "check", "migrate"}},
       {"Data, templates and cameras", {"data", "template", "calibrate"}},
       {"Results", {"eval", "compare", "ablate", "report", "metrics", "bench", "replay"}},
       {"Plugins", {"plugins", "doctor", "records", "schema"}},

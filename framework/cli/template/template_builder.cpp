@@ -33,12 +33,11 @@ Result<host::RecordPtr> build_template(const host::Registry& registry,
 
 Result<BuiltTemplate> build_template(const host::ComponentSpec& component) {
   std::vector<std::string> reports;
-  host::Lane lane(0, [&](const std::string&, int, const std::string& text, std::uint64_t) {
-    reports.push_back(text);
-  });
-  const auto instance = lane.instantiate(component, "template");
+  host::ExecutionContext context(0, [&](const std::string&, int, const std::string& text,
+                                        std::uint64_t) { reports.push_back(text); });
+  const auto instance = context.instantiate(component, "template");
   if (!instance) return instance.error();
-  const host::Outcome outcome = lane.call(**instance, 0, {}, host::kOfflineFrame);
+  const host::Outcome outcome = context.call(**instance, 0, {}, host::kOfflineFrame);
   if (!outcome.usable()) return outcome.error;
   BuiltTemplate built{outcome.find("template"), outcome.error.message, std::move(reports), {}};
   if (auto legal = check_template(*built.record); !legal) return legal.error();

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "cli/commands.hpp"
-#include "host/calling/lane.hpp"
+#include "host/calling/execution_context.hpp"
 
 namespace weft::cli {
 
 /// The component that `text` describes, YAML such as {use: templates/frex_sheet}. Relative paths
-/// stand in the working folder.
+/// start at the working folder.
 Result<host::ComponentSpec> resolve_text(const host::Registry& registry, const std::string& text);
 
 /// The template that a plugin makes of `component`, as above. The record lives as long as it is
@@ -22,8 +22,8 @@ Result<host::RecordPtr> build_template(const host::Registry& registry,
 /// A template, checked as before a run.
 struct BuiltTemplate {
   host::RecordPtr record;
-  std::string note;                  ///< what is doubtful about it; mostly empty
-  std::vector<std::string> reports;  ///< of its component, such as how its image was turned
+  std::string note;                  ///< doubts about it; usually empty
+  std::vector<std::string> reports;  ///< reports of its component, such as how its image was turned
   std::string size_doubt;            ///< why its size is; mostly empty
 };
 

@@ -53,7 +53,7 @@ nlohmann::ordered_json field_json(const ResidualField& field) {
           {"coherent", field.is_coherent()}};
 }
 
-/// What the command has found out.
+/// Results of the command.
 struct Findings {
   std::vector<std::string> faults, warnings;
   std::optional<RefittedTemplate> refitted;
@@ -138,9 +138,10 @@ void check(const TemplateCheckOptions& options, Context& context) {
     print_report(report);
     return;
   }
-  const auto lane = lane_of(pipeline.config, {});
-  if (!lane) return print_error(lane.error());
-  const auto first = look_at_first_frame(pipeline.config, pipeline.graph, **lane, options.frames);
+  const auto execution = context_of(pipeline.config, {});
+  if (!execution) return print_error(execution.error());
+  const auto first =
+      look_at_first_frame(pipeline.config, pipeline.graph, **execution, options.frames);
   if (!first) return print_error(first.error());
   const auto& fits = first->look.fits;
   if (!options.png.empty() && first->image != nullptr && !fits.empty()) {

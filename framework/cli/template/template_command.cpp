@@ -68,7 +68,7 @@ class NewFolder {
   bool is_new_ = false;
 };
 
-/// The component with those of its pictures and pages that it writes itself in the folder.
+/// The component; its images and pages that it writes itself are placed in the folder.
 host::ComponentSpec drawn_into(const NewFolder& folder, const host::Registry& registry,
                                host::ComponentSpec component) {
   for (const auto& [parameter, file] :
@@ -79,7 +79,7 @@ host::ComponentSpec drawn_into(const NewFolder& folder, const host::Registry& re
   return component;
 }
 
-/// Why there is no template; where its corners can be moved by hand, that is said too.
+/// Reports why there is no template, and whether its corners can be moved by hand.
 Error with_page(Error error, const NewFolder& folder) {
   if (const auto page = folder.move_out(kCornersPage)) {
     error.message += "; open " + *page +
@@ -88,7 +88,7 @@ Error with_page(Error error, const NewFolder& folder) {
   return error;
 }
 
-/// What was made, and what is doubtful about it.
+/// Prints the result and any doubts about it.
 void print(const TemplateOptions& options, const std::string& id, const BuiltTemplate& built,
            const TemplateSurvey& numbers, const Result<TextureSurvey>& texture,
            const std::optional<TextureSize>& written_px) {
@@ -119,7 +119,7 @@ void print(const TemplateOptions& options, const std::string& id, const BuiltTem
   for (const std::string& warning : warnings) fmt::print("warning   {}\n", warning);
 }
 
-/// The files that the options ask for; the size of the texture, if one was written.
+/// Writes the files of the options; the size of the texture, if one was written.
 Result<std::optional<TextureSize>> write_files(const host::Registry& registry,
                                                const host::ComponentSpec& component,
                                                const host::Record& record, const Template& templ,
@@ -174,7 +174,7 @@ void run(const TemplateOptions& options, Context& context) {
   print(options, component->component().id, *built, numbers, texture, *written);
 }
 
-/// What both commands take.
+/// Options of both commands.
 CLI::App* add_command(CLI::App& parent, const char* name, const char* help,
                       const std::shared_ptr<TemplateOptions>& options) {
   CLI::App* command = parent.add_subcommand(name, help);

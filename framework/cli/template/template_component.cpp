@@ -14,7 +14,7 @@
 namespace weft::cli {
 namespace {
 
-/// What --set says, as entries of a map in YAML.
+/// Settings of --set, as entries of a YAML map.
 Result<std::string> entries_of(const std::vector<std::string>& settings) {
   std::string text;
   for (const std::string& setting : settings) {
@@ -65,7 +65,7 @@ std::optional<host::ComponentSpec> named_component(const ChosenTemplate& chosen,
   return problems.empty() ? std::move(spec) : std::nullopt;
 }
 
-/// The component of a pipeline's section `template`; mistakes anywhere in the file are printed.
+/// The component of a pipeline's section `template`; prints errors anywhere in the file.
 std::optional<host::ComponentSpec> component_of_pipeline(const ChosenTemplate& chosen,
                                                          const host::Registry& registry) {
   auto [config, report] = load_pipeline(chosen.pipeline, registry, ".", chosen.settings);

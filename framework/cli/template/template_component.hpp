@@ -22,7 +22,7 @@ struct ChosenTemplate {
 /// The options that choose a template.
 void add_choice(CLI::App& command, ChosenTemplate& chosen);
 
-/// The component that builds it; mistakes are printed.
+/// The component that builds it; prints errors.
 std::optional<host::ComponentSpec> component_of(const ChosenTemplate& chosen,
                                                 const host::Registry& registry);
 

@@ -7,7 +7,7 @@
 
 #include "cli/data/sequence_maker.hpp"
 #include "cli/template/template_builder.hpp"
-#include "host/calling/lane.hpp"
+#include "host/calling/execution_context.hpp"
 #include "host/roles/role_rules.hpp"
 
 namespace weft::cli {
@@ -42,12 +42,12 @@ Result<void> write_picture(const host::Registry& registry, std::span<const weft_
       registry, fmt::format("{{use: sinks/drawing, params: {{path: {}, content: {}}}}}",
                             yaml_quoted(path), name_of(picture)));
   if (!spec) return spec.error();
-  host::Lane lane(0, {});
-  const auto instance = lane.instantiate(*spec, "drawing");
+  host::ExecutionContext context(0, {});
+  const auto instance = context.instantiate(*spec, "drawing");
   if (!instance) return instance.error();
   for (const int method : {kOpenSink, kWriteFrame, kFinishSink}) {
     const auto given = method == kWriteFrame ? inputs : std::span<const weft_record>();
-    const host::Outcome outcome = lane.call(**instance, method, given, host::kOfflineFrame);
+    const host::Outcome outcome = context.call(**instance, method, given, host::kOfflineFrame);
     if (!outcome.usable()) return outcome.error;
   }
   return {};

@@ -16,7 +16,7 @@ enum class Picture {
   twins,    ///< keypoints of the texture that look alike, given as matches with itself
 };
 
-/// Writes a picture of a template as PNG; sinks/drawing draws it.
+/// Renders a template to a PNG file with sinks/drawing.
 Result<void> write_picture(const host::Registry& registry, const host::Record& templ,
                            Picture picture, const std::string& path);
 

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMostUncertain = 0.06;  // of the focal length
+constexpr double kMostUncertain = 0.06;  // relative to the focal length
 
 class Silent final : public RunObserver {
  public:
@@ -36,7 +36,7 @@ std::optional<FocalMeasurement> measure_focal(const std::string& pipeline,
   const auto registry = context.registry();
   const std::string folder = fs::absolute(scratch).string();
   auto [checked, report] = check_pipeline(pipeline, registry, folder, settings);
-  if (!report.ok()) return std::nullopt;  // the run that follows tells the mistakes
+  if (!report.ok()) return std::nullopt;  // the run that follows reports the errors
   Silent observer;
   const auto summary =
       run_pipeline(checked, folder, observer, watch_for_interruption(), {.registry = &registry});

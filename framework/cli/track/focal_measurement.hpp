@@ -9,15 +9,15 @@
 
 namespace weft::cli {
 
-/// The focal length of a film's camera as its frames tell it.
+/// The focal length of a film's camera, estimated from its frames.
 struct FocalMeasurement {
   double by_side = 0.0;     ///< [] focal length divided by the longer side of the frames
   double by_side_sd = 0.0;  ///< [] its standard deviation
   int frames = 0;           ///< unlike ones that were asked
 };
 
-/// Runs a pipeline whose camera is assumed, with these settings, and asks the set-up monitor for
-/// the focal length. Nothing where the pipeline cannot run, where it was interrupted, or where the
+/// Runs a pipeline whose camera is assumed, with these settings, and reads the focal length from
+/// the set-up monitor. Nothing if the pipeline cannot run, if it was interrupted, or if the
 /// standard deviation is above 6 %: the assumed one is as good then. `scratch` is a run folder that
 /// is removed.
 std::optional<FocalMeasurement> measure_focal(const std::string& pipeline,

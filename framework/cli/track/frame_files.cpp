@@ -64,7 +64,7 @@ std::optional<Numbered> numbered(const std::string& stem) {
   return read.ec == std::errc{} ? std::optional(std::move(found)) : std::nullopt;
 }
 
-/// Whether names differ in a number alone that rises by the same step, but for half of them.
+/// True if names differ only in one number, and at least half of its steps are equal.
 bool are_numbered(const std::vector<fs::path>& paths) {
   std::map<std::int64_t, std::size_t> steps;
   std::optional<Numbered> before;
@@ -79,7 +79,7 @@ bool are_numbered(const std::vector<fs::path>& paths) {
 }
 
 /// A sentence where two images have different sizes; those that cannot be read are left to the run.
-std::string sizes_apart(const std::vector<fs::path>& paths) {
+std::string differing_sizes(const std::vector<fs::path>& paths) {
   std::optional<ImageHeader> first;
   for (const fs::path& path : paths) {
     const auto file = read_image_bytes(path.string());
@@ -119,7 +119,7 @@ Result<FrameFiles> find_frames(const std::string& path, const std::string& objec
                                "): put those to be tracked into a folder of their own");
   }
   const auto& [extension, paths] = *images.begin();
-  std::string why = sizes_apart(paths);
+  std::string why = differing_sizes(paths);
   const bool is_sequence = why.empty() && are_numbered(paths);
   if (why.empty()) why = is_sequence ? "their names are numbered" : "their names are not numbered";
   const auto first = read_image_bytes(paths.front().string());

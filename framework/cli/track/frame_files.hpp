@@ -9,10 +9,10 @@ namespace weft::cli {
 /// The frames of a film or of a folder of images.
 struct FrameFiles {
   bool is_video = false;
-  std::string path;         ///< of the film, or a pattern of the images; absolute
+  std::string path;         ///< path of the film, or a pattern of the images; absolute
   bool is_sequence = true;  ///< frames of a film, else unordered images
   std::string why;          ///< why they are one or the other, in words; empty for a film
-  bool tell_focal = false;  ///< EXIF of the first image says its focal length
+  bool tell_focal = false;  ///< EXIF of the first image contains its focal length
 };
 
 /// Looks at a film or a folder, in which the file `object` is not one of the frames. Images are a

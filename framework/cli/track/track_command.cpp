@@ -32,7 +32,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kPipeline = "track.yaml";
-constexpr int kLongest_px = 1300;  ///< of frames: a letter then has about 4 px a mm
+constexpr int kLongest_px = 1300;  ///< limit of the frames: a letter then has about 4 px a mm
 constexpr int kFineCells = 24;     ///< along the longer side of a flat object: creases of paper
 
 struct TrackOptions {
@@ -75,8 +75,8 @@ Result<ChosenObject> flat_object(const TrackOptions& options, double width_m,
   return ChosenObject{*std::move(templ), words};
 }
 
-/// Whether the rectangle that was found is one that is printed in a scan: its sides are parallel to
-/// those of the image, as no camera that is held by hand sees a sheet.
+/// True if the rectangle that was found was printed in a scan. Its sides are then parallel to those
+/// of the image, unlike in an image of a hand-held camera.
 bool is_printed(const host::Record& templ) {
   constexpr double kParallel = 0.007;  // [] 0.4 degrees
   const auto typed = host::view_as<Template>(templ);
@@ -114,7 +114,7 @@ Result<ChosenObject> choose_object(const TrackOptions& options, const host::Regi
   std::string seen_by;
   auto built = Result<BuiltTemplate>(no_result("no camera is given"));
   if (!options.camera.empty()) {
-    // A photograph with the size of the frames is of their camera; of another size it is refused.
+    // A photograph with the size of the frames belongs to their camera; another size is refused.
     const std::string camera = ", camera: " + flow_quoted(fs::absolute(options.camera));
     built = rectangle_in(options, width_m, corners + camera, registry);
     if (built) seen_by = ", camera: camera.yaml";
@@ -138,7 +138,7 @@ Result<ChosenObject> choose_object(const TrackOptions& options, const host::Regi
                      "the object is)");
 }
 
-/// What a pipeline is made of.
+/// Parts of a pipeline.
 struct Tracked {
   FrameFiles frames;
   ChosenObject object;
@@ -173,7 +173,7 @@ std::string free_folder_of(const std::string& frames) {
   return folder;
 }
 
-/// Writes the pipeline and says what it is; the options' folder is set.
+/// Writes the pipeline and describes it; the options' folder is set.
 Result<Tracked> make_pipeline(TrackOptions& options, const host::Registry& registry) {
   if (options.folder.empty()) options.folder = free_folder_of(options.frames);
   if (!is_free_for_folder(options.folder)) {

@@ -7,8 +7,8 @@ namespace weft::host {
 
 /// What was asked of the allocator, in all threads and libraries of this process.
 struct Allocations {
-  std::uint64_t blocks = 0;
-  std::uint64_t bytes = 0;  ///< as asked for, which is less than what is taken
+  std::uint64_t blocks = 0;  ///< [] number of allocations
+  std::uint64_t bytes = 0;   ///< as asked for, which is less than what is taken
 };
 
 /// Whether the library is loaded that counts them: into the process in which `weft bench` counts,

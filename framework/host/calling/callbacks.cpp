@@ -6,11 +6,11 @@
 #include <cstring>
 #include <weft/core/quote.hpp>
 
-#include "host/calling/lane_parts.hpp"
+#include "host/calling/execution_context_parts.hpp"
 
 namespace weft::host {
 
-bool Lane::Scope::may_produce(std::string_view slot, std::string_view type) const {
+bool ExecutionContext::Scope::may_produce(std::string_view slot, std::string_view type) const {
   return method != nullptr &&
          std::any_of(method->outputs.begin(), method->outputs.end(), [&](const RoleSlot& output) {
            return output.name == slot && output.type == type;
@@ -71,13 +71,14 @@ struct Callbacks {
   /// The output record of a call that an array belongs to; null when there is no such output.
   static Record* output(const weft_call* call, const char* slot, const char* type,
                         const char* array) {
-    auto& scope = *static_cast<Lane::Scope*>(call->context);
+    auto& scope = *static_cast<ExecutionContext::Scope*>(call->context);
     if (slot == nullptr || type == nullptr || array == nullptr) return nullptr;
     for (auto& [name, record] : scope.outputs) {
       if (name == slot && record->type() == type) return record.get();
     }
     if (!scope.may_produce(slot, type)) return nullptr;
-    scope.outputs.emplace_back(slot, Record::make(type, scope.lane.memory_, scope.lane.arena_));
+    scope.outputs.emplace_back(slot,
+                               Record::make(type, scope.context.memory_, scope.context.arena_));
     return scope.outputs.back().second.get();
   }
 
@@ -85,11 +86,11 @@ struct Callbacks {
                      std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) try {
     Record* record = output(call, slot, type, array);
     if (record == nullptr) return nullptr;
-    auto& scope = *static_cast<Lane::Scope*>(call->context);
+    auto& scope = *static_cast<ExecutionContext::Scope*>(call->context);
     std::string refusal = refusal_of(*record, array, dtype, ndim, shape);
     if (refusal.empty()) return record->allocate(array, dtype, ndim, shape);
-    if (scope.refusal.empty() && scope.lane.log_) {
-      scope.lane.log_(scope.instance.name, kWarning, refusal, scope.turn.run_frame);
+    if (scope.refusal.empty() && scope.context.log_) {
+      scope.context.log_(scope.instance.name, kWarning, refusal, scope.turn.run_frame);
     }
     scope.refusal = std::move(refusal);
     return nullptr;
@@ -100,7 +101,7 @@ struct Callbacks {
   static std::int32_t adopt(const weft_call* call, const char* slot, const char* type,
                             const char* array, std::int32_t dtype, std::int32_t ndim,
                             const std::int64_t* shape, std::uint64_t handle) try {
-    auto& scope = *static_cast<Lane::Scope*>(call->context);
+    auto& scope = *static_cast<ExecutionContext::Scope*>(call->context);
     const weft_device_memory* library = scope.instance.device_memory;
     if (library == nullptr) {
       scope.refusal = "it names no device_memory of its own, and so cannot leave an array there";
@@ -115,25 +116,25 @@ struct Callbacks {
   }
 
   static std::int32_t cancelled(const weft_call* call) {
-    const auto& scope = *static_cast<Lane::Scope*>(call->context);
-    return !scope.instance.is_let_finish && scope.lane.is_cancelled() ? 1 : 0;
+    const auto& scope = *static_cast<ExecutionContext::Scope*>(call->context);
+    return !scope.instance.is_let_finish && scope.context.cancellation().is_requested() ? 1 : 0;
   }
 
   static void log(const weft_call* call, std::int32_t level, const char* text) try {
-    auto& scope = *static_cast<Lane::Scope*>(call->context);
-    if (scope.lane.log_ && text != nullptr) {
-      scope.lane.log_(scope.instance.name, level, bounded(text), scope.turn.run_frame);
+    auto& scope = *static_cast<ExecutionContext::Scope*>(call->context);
+    if (scope.context.log_ && text != nullptr) {
+      scope.context.log_(scope.instance.name, level, bounded(text), scope.turn.run_frame);
     }
   } catch (...) {
     return;  // a message is not worth a crash
   }
 
   static std::int32_t invoke(const weft_call* call, weft_invocation* asked, weft_error* error) try {
-    auto& scope = *static_cast<Lane::Scope*>(call->context);
+    auto& scope = *static_cast<ExecutionContext::Scope*>(call->context);
     if (asked->struct_size < sizeof(weft_invocation)) {
       return report({Errc::incompatible, "gave a weft_invocation that is too short", {}}, error);
     }
-    Instance* target = scope.lane.find(asked->component);
+    Instance* target = scope.context.find(asked->component);
     if (target == nullptr) {
       return report({Errc::not_found,
                      "no component has the handle " + std::to_string(asked->component) +
@@ -141,10 +142,11 @@ struct Callbacks {
                      {}},
                     error);
     }
-    NestedAnswer& answer = scope.nested.emplace_front(NestedAnswer{
-        scope.lane.enter(*target, asked->method, {asked->inputs, asked->input_count},
+    NestedAnswer& answer = scope.nested.emplace_front(
+        NestedAnswer{scope.context.enter(
+                         *target, asked->method, {asked->inputs, asked->input_count},
                          {asked->frame, asked->draw, scope.turn.run_frame, scope.turn.depth + 1}),
-        PooledVector<weft_record>(scope.lane.memory_)});
+                     PooledVector<weft_record>(scope.context.memory_)});
     const Outcome& outcome = answer.outcome;
     answer.views.reserve(outcome.outputs.size());
     for (const auto& [slot, record] : outcome.outputs) {

@@ -33,8 +33,8 @@ struct Timing {
   SharedText component;  ///< "filters", "filters/warp": stage name and nested path
   Spent took;
   std::chrono::steady_clock::time_point start{};
-  std::string method;  ///< as its role calls it: "fit", "evaluate"
-  std::uint64_t frame = kOfflineFrame;
+  std::string method;                   ///< as its role calls it: "fit", "evaluate"
+  std::uint64_t frame = kOfflineFrame;  ///< [] index of the frame
   weft_status status = WEFT_OK;
   SharedText worker;                   ///< the stage in whose worker it ran; empty for this process
   std::uint64_t downloaded_bytes = 0;  ///< see Outcome

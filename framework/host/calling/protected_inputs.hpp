@@ -29,7 +29,7 @@ class ProtectedInputs {
 
   struct Pages {
     std::byte* start;
-    std::size_t bytes;
+    std::size_t bytes;  ///< [bytes] length
   };
   std::vector<Pages> pages_;
   std::vector<std::vector<weft_array>> arrays_;

@@ -29,7 +29,7 @@ class Stopwatch {
   /// Of a process, what the thread of the clock `apart` spends does not count: it does something
   /// else meanwhile.
   explicit Stopwatch(ProcessorTime counted = ProcessorTime::of_process,
-                     std::optional<clockid_t> apart = {});
+                     std::optional<clockid_t> excluded = {});
 
   std::chrono::steady_clock::time_point start() const { return start_; }
 
@@ -38,7 +38,7 @@ class Stopwatch {
 
  private:
   ProcessorTime counted_;
-  std::optional<clockid_t> apart_;
+  std::optional<clockid_t> excluded_;
   std::chrono::steady_clock::time_point start_;
   double processor_start_ms_;
   Allocations allocated_;

@@ -41,9 +41,9 @@ struct Declarations {
     if (type == nullptr || field == nullptr) problem = "an array of a record is null";
     if (problem.empty()) problem = wrong_field(*field);
     if (!problem.empty()) return;
-    const std::string told = text_of(*field);
-    const auto [known, is_new] = arrays[type].try_emplace(field->name, told);
-    if (is_new || known->second == told) return;
+    const std::string description = text_of(*field);
+    const auto [known, is_new] = arrays[type].try_emplace(field->name, description);
+    if (is_new || known->second == description) return;
     problem = "the array '" + std::string(field->name) + "' of " + type + " is declared twice";
   }
 

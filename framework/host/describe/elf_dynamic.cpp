@@ -27,13 +27,13 @@ class DynamicTables {
   Result<void> check() {
     if (!read_entries()) return damaged("its dynamic section is missing or has no end");
     for (const Place& place : kTables) {
-      if (!stands(place)) return damaged("a table of its dynamic section lies outside of it");
+      if (!is_inside(place)) return damaged("a table of its dynamic section lies outside of it");
     }
     if (!sections_agree())
       return damaged("its dynamic section and its sections contradict each other");
-    if (!names_stand()) return damaged("a name in its dynamic section lies outside of it");
+    if (!names_are_inside()) return damaged("a name in its dynamic section lies outside of it");
     for (const Place& place : {Place{DT_RELA, DT_RELASZ, 0}, Place{DT_JMPREL, DT_PLTRELSZ, 0}}) {
-      if (!relocations_stand(place)) return damaged("a relocation of it lies outside of it");
+      if (!relocations_are_inside(place)) return damaged("a relocation of it lies outside of it");
     }
     return {};
   }
@@ -103,7 +103,7 @@ class DynamicTables {
     return entry != nullptr ? entry->d_un.d_val : 0;
   }
 
-  bool stands(const Place& place) const {
+  bool is_inside(const Place& place) const {
     const Elf64_Dyn* table = find(place.at);
     if (table == nullptr) return true;
     const std::uint64_t bytes = place.size != 0 ? value(place.size) : place.least;
@@ -162,7 +162,7 @@ class DynamicTables {
     return (find(DT_RELA) != nullptr ? 1 : 0) + (find(DT_JMPREL) != nullptr ? 1 : 0);
   }
 
-  bool names_stand() const {
+  bool names_are_inside() const {
     return std::all_of(entries_.begin(), entries_.end(), [&](const Elf64_Dyn& entry) {
       const bool names = entry.d_tag == DT_NEEDED || entry.d_tag == DT_SONAME ||
                          entry.d_tag == DT_RPATH || entry.d_tag == DT_RUNPATH;
@@ -187,7 +187,7 @@ class DynamicTables {
   }
 
   /// Libraries have tens of thousands of them: what they have in common is looked up once.
-  bool relocations_stand(const Place& place) const {
+  bool relocations_are_inside(const Place& place) const {
     const Elf64_Dyn* table = find(place.at);
     if (table == nullptr) return true;
     const Elf64_Phdr* segment = file_.loaded_at(table->d_un.d_ptr, value(place.size));

@@ -50,8 +50,8 @@ class Binder {
       correct_names(corrected);
       params = &corrected;
     }
-    const bool partial = paths_.of_fragment || corrected.partial;
-    spec_.bound = !partial;
+    const bool unclear = paths_.unclear || corrected.unclear;
+    spec_.bound = !unclear;
     const bool has_own_defaults = chooses_preset(params);
     for (const ParameterSpec& parameter : component.parameters) {
       const yaml::Node* given = params != nullptr ? params->find(parameter.name) : nullptr;
@@ -59,7 +59,7 @@ class Binder {
       if (given == nullptr && has_own_defaults && is_value) continue;  // the component knows it
       if (given == nullptr && parameter.required) {
         spec_.bound = false;
-        if (partial) continue;
+        if (unclear) continue;
         problem(
             params != nullptr ? params->at : use_at,
             component.id + " requires the parameter '" + parameter.name + "': " + parameter.help);
@@ -311,7 +311,7 @@ class Binder {
     const yaml::Node* use = is_default ? &default_use : node.find("use");
     ComponentSpec nested;
     if (use == nullptr) {
-      if (value.partial || says_more) {
+      if (value.unclear || says_more) {
         spec_.nested.push_back({parameter.name, {}});
         return;
       }
@@ -368,8 +368,9 @@ ComponentSpec resolve(const Registry& registry, const yaml::Node& use, const yam
     return spec;
   }
   spec.effective.kind = yaml::Kind::map;
-  spec.effective.entries.push_back({"use", use.at, yaml::plain_node(use.scalar, use.at)});
-  parents.push_back(use.scalar);
+  const std::string& id = spec.component().id;
+  spec.effective.entries.push_back({"use", use.at, yaml::plain_node(id, use.at)});
+  parents.push_back(id);
   Binder(registry, paths, problems, spec, std::move(parents)).bind(params, use.at);
   return spec;
 }

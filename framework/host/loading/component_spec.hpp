@@ -21,7 +21,7 @@ struct PathRules {
   std::string output_folder;               ///< the run folder
   std::function<std::optional<std::string>(const std::string&)> variable;
   /// What is missing may stand in a file that cannot be read, which has been reported.
-  bool of_fragment = false;
+  bool unclear = false;
 
   static PathRules of_process(std::vector<std::string> input_folders, std::string output_folder);
 };
@@ -32,8 +32,8 @@ struct NestedSpec;
 struct ComponentSpec {
   const Installed* installed = nullptr;  ///< null only in what resolve_known_part gives
   Arguments arguments;
-  std::vector<NestedSpec> nested;
-  yaml::Node effective;  ///< {use, params} with all defaults, paths as they were resolved
+  std::vector<NestedSpec> nested;  ///< [.] its nested components
+  yaml::Node effective;            ///< {use, params} with all defaults, paths as they were resolved
   /// By parameter, what files have in place of a secret text, see secrets.hpp.
   std::map<std::string, std::string> hidden;
   bool bound = false;  ///< all its own parameters have legal values: it can be created

@@ -27,8 +27,8 @@ struct ParameterSpec {
   std::string unit;
   std::string help;
   bool bounded = false;
-  double minimum = 0.0;
-  double maximum = 0.0;
+  double minimum = 0.0;              ///< in `unit`, inclusive
+  double maximum = 0.0;              ///< in `unit`, inclusive
   std::vector<std::string> choices;  ///< of an input path: words that may stand in its place
   std::string role;                  ///< of a component parameter
   std::string was;                   ///< its name in older versions, or empty
@@ -50,13 +50,13 @@ struct SweepSpec {
 struct ComponentManifest {
   std::string id, version, summary, reference, licence, determinism;
   std::string implements;  ///< "paper", "reconstruction" or "own"; empty where it is not stated
-  std::vector<std::string> needs, reads, produces;
+  std::vector<std::string> needs, reads, produces;  ///< [.] names of slots
   std::vector<std::string> records;  ///< types that it may read or make, "correspondences/1"
   bool random = false;
   bool uses_truth = false;
-  std::vector<std::string> extensions;  ///< "weft.devices/1"
-  std::vector<ParameterSpec> parameters;
-  std::optional<SweepSpec> sweep;
+  std::vector<std::string> extensions;                    ///< "weft.devices/1"
+  std::vector<ParameterSpec> parameters;                  ///< [.] in the order of declaration
+  std::optional<SweepSpec> sweep;                         ///< values of a ROC curve, if declared
   std::vector<RecordSchema> record_types;                 ///< of vendors, those of `records`
   std::shared_ptr<const RoleRules> open_rules = nullptr;  ///< its own, where its role is open
   std::string unknown;  ///< what this version of Weft does not know of it, in words, or empty
@@ -79,12 +79,12 @@ struct ComponentManifest {
 struct Manifest {
   std::string file;     ///< of the manifest
   std::string library;  ///< of the shared object beside it
-  int abi_major = 0;
+  int abi_major = 0;    ///< [] WEFT_ABI_MAJOR of its build
   int abi_minor = 0;    ///< of the header that it was built with
   int needs_minor = 0;  ///< the oldest host that it works with
   std::string build_id, compiler;
-  std::vector<std::string> isa;
-  std::vector<ComponentManifest> components;
+  std::vector<std::string> isa;               ///< [.] required processor features
+  std::vector<ComponentManifest> components;  ///< [.] components of the library
 };
 
 /// Fails with syntax or invalid_data, at file:line:column.

@@ -13,6 +13,7 @@
 #include <weft/core/suggest.hpp>
 
 #include "host/describe/build_id.hpp"
+#include "host/loading/former_names.hpp"
 #include "host/loading/processor.hpp"
 #include "host/loading/sanitizer.hpp"
 #include "host/roles/role_rules.hpp"
@@ -256,7 +257,8 @@ const Installed* Registry::find(std::string_view id) const {
   for (const Installed& entry : installed_) {
     if (!entry.shadowed && entry.component.id == id) return &entry;
   }
-  return nullptr;
+  const std::string_view current = current_id(id);
+  return current != id ? find(current) : nullptr;
 }
 
 std::string Registry::nearest_of_role(std::string_view id, const std::string& role) const {

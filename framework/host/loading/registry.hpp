@@ -44,7 +44,8 @@ class Registry {
   /// Reads all manifests of the folders; the first folder that has an id wins.
   static Registry scan(const std::vector<SearchFolder>& folders);
 
-  /// Null when there is none.
+  /// The component of this id, or the one that had it before it was renamed; null when there is
+  /// none.
   const Installed* find(std::string_view id) const;
   const std::vector<Installed>& installed() const { return installed_; }
   const std::vector<Refusal>& refusals() const { return refusals_; }

@@ -50,8 +50,8 @@ class MemoryPool {
  private:
   /// The blocks of one size.
   struct Shelf {
-    void* first = nullptr;  ///< of the free ones: each begins with the place of the next
-    std::size_t free = 0, in_use = 0;
+    void* first = nullptr;             ///< of the free ones: each begins with the place of the next
+    std::size_t free = 0, in_use = 0;  ///< [] numbers of blocks
     std::size_t most = 0, most_before = 0;  ///< in use at once in this period, in the last one
   };
   static constexpr std::size_t kSizes = 48;

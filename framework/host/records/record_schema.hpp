@@ -14,7 +14,7 @@ namespace weft::host {
 /// One array of a vendor's record type, as weft_field.
 struct FieldSchema {
   std::string name, shape, unit, meaning;
-  std::int32_t dtype = 0;
+  std::int32_t dtype = 0;  ///< weft_dtype
   bool optional = false, may_be_nan = false;
 
   bool operator==(const FieldSchema&) const = default;
@@ -28,8 +28,8 @@ struct FieldSchema {
 
 /// A record type that the catalogue does not have, as a library declares it.
 struct RecordSchema {
-  std::string type;  ///< "acme.depth/1"
-  std::vector<FieldSchema> arrays;
+  std::string type;                 ///< "acme.depth/1"
+  std::vector<FieldSchema> arrays;  ///< [.] its arrays
 
   bool operator==(const RecordSchema&) const = default;
 

@@ -11,7 +11,7 @@ namespace weft {
 
 /// What a component of an open role says of its inputs and outputs.
 struct OpenSlots {
-  std::vector<std::string> needs, reads, produces;
+  std::vector<std::string> needs, reads, produces;  ///< [.] names of slots
   std::vector<std::string> records;  ///< types that it knows, "image/1", "acme.depth/1"
 };
 

@@ -13,8 +13,8 @@
 #include <thread>
 #include <weft/core/version.hpp>
 
+#include "host/calling/execution_context.hpp"
 #include "host/calling/hashing.hpp"
-#include "host/calling/lane.hpp"
 #include "host/loading/library_call.hpp"
 #include "host/workers/channel.hpp"
 #include "host/workers/codec.hpp"
@@ -53,13 +53,13 @@ class Server {
       : channel_(channel),
         inputs_(std::move(inputs)),
         arena_(std::make_shared<SharedArena>(std::move(outputs))),
-        lane_(
+        context_(
             hello.run_seed, [this](const auto&... said) { log(said...); }, arena_,
             kRevisionOfWorker) {
     const auto* cancel = static_cast<const std::atomic<bool>*>(
         inputs_->at(hello.cancel_offset, sizeof(std::atomic<bool>)));
-    lane_.watch([cancel] { return cancel != nullptr && cancel->load(); });
-    lane_.divide_threads(hello.threads, 1);
+    context_.cancellation().watch([cancel] { return cancel != nullptr && cancel->load(); });
+    context_.divide_threads(hello.threads, 1);
   }
 
   ReplyMessage answer(const Message& message) {
@@ -93,7 +93,7 @@ class Server {
 
   ReplyMessage make(const CreateMessage& create) {
     const ComponentSpec spec = create.recipe.spec(installed_);
-    const auto instance = lane_.instantiate(spec, create.stage, create.path);
+    const auto instance = context_.instantiate(spec, create.stage, create.path);
     if (!instance) return reply_of(instance.error());
     instances_[create.handle] = *instance;
     return {};
@@ -101,18 +101,19 @@ class Server {
 
   ReplyMessage prepare(const CallMessage& call) {
     std::deque<std::vector<weft_array>> arrays;
-    const auto ready = lane_.prepare_here(*instances_.at(call.handle), views(call.inputs, arrays));
+    const auto ready =
+        context_.prepare_here(*instances_.at(call.handle), views(call.inputs, arrays));
     return ready ? ReplyMessage{} : reply_of(ready.error());
   }
 
   ReplyMessage process(const CallMessage& call) {
     const Stopwatch watch;
-    for (const std::uint64_t offset : call.returned) lent_.erase(offset);
+    for (const std::uint64_t offset : call.returned) unreturned_.erase(offset);
     std::deque<std::vector<weft_array>> arrays;
-    const Outcome outcome = lane_.call(*instances_.at(call.handle), call.method,
-                                       views(call.inputs, arrays), call.frame, call.draw);
+    const Outcome outcome = context_.call(*instances_.at(call.handle), call.method,
+                                          views(call.inputs, arrays), call.frame, call.draw);
     ReplyMessage reply = reply_of(outcome.error, outcome.status);
-    Timings timings = lane_.take_timings();
+    Timings timings = context_.times().take();
     if (!timings.empty()) timings.pop_back();  // the call itself, which the host measures
     for (const Timing& timing : timings) {
       const std::chrono::nanoseconds start = timing.start.time_since_epoch();
@@ -145,7 +146,7 @@ class Server {
       target.ndim = array.ndim;
       std::copy(std::begin(array.shape), std::end(array.shape), target.shape.begin());
       target.offset = *arena_->memory().offset_of(array.data);
-      lent_[target.offset] = record;
+      unreturned_[target.offset] = record;
     }
     return placed;
   }
@@ -187,9 +188,9 @@ class Server {
   std::shared_ptr<SharedMemory> inputs_;
   std::shared_ptr<SharedArena> arena_;
   std::deque<Installed> installed_;  ///< behind the components
-  Lane lane_;
-  std::map<std::uint64_t, Instance*> instances_;  ///< by their handles in the host
-  std::map<std::uint64_t, RecordPtr> lent_;       ///< by the offset of each array
+  ExecutionContext context_;
+  std::map<std::uint64_t, Instance*> instances_;   ///< by their handles in the host
+  std::map<std::uint64_t, RecordPtr> unreturned_;  ///< by the offset of each array
 };
 
 /// Empty when the host is of this version.

@@ -16,8 +16,9 @@ namespace weft::host {
 /// An array in shared memory.
 struct PlacedArray {
   std::string name;
-  std::int32_t dtype = 0, ndim = 0;
-  std::array<std::int64_t, WEFT_MAX_DIMENSIONS> shape{}, stride{};
+  std::int32_t dtype = 0, ndim = 0;  ///< weft_dtype; number of axes
+  std::array<std::int64_t, WEFT_MAX_DIMENSIONS> shape{},
+      stride{};              ///< [ndim] elements; [ndim] bytes
   std::uint64_t offset = 0;  ///< [bytes]
 
   template <class Self, class Visit>
@@ -31,9 +32,9 @@ struct PlacedArray {
 /// A record whose arrays stand in shared memory.
 struct PlacedRecord {
   std::string slot, type;
-  std::uint64_t revision = 0, producer = 0;
-  std::int64_t frame = WEFT_NO_FRAME;
-  std::vector<PlacedArray> arrays;
+  std::uint64_t revision = 0, producer = 0;  ///< as in weft_record
+  std::int64_t frame = WEFT_NO_FRAME;        ///< index, or WEFT_NO_FRAME
+  std::vector<PlacedArray> arrays;           ///< [.] all arrays of the record
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -49,8 +50,8 @@ enum class MessageKind : std::uint32_t { hello = 1, create, prepare, process, lo
 struct HelloMessage {
   std::string version;
   std::uint64_t run_seed = 0, inputs_reserve_bytes = 0, outputs_reserve_bytes = 0;
-  std::uint64_t cancel_offset = 0;
-  std::int32_t threads = 1;
+  std::uint64_t cancel_offset = 0;  ///< [bytes] of the cancel flag in shared memory
+  std::int32_t threads = 1;         ///< [] maximum number of threads per call
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -61,7 +62,7 @@ struct HelloMessage {
 
 /// A component that the worker shall have, under the handle that it has in the host.
 struct CreateMessage {
-  std::uint64_t handle = 0;
+  std::uint64_t handle = 0;  ///< handle of the component in the host
   std::string stage, path;
   Recipe recipe;
 
@@ -73,9 +74,9 @@ struct CreateMessage {
 
 /// A call of prepare, or of a method.
 struct CallMessage {
-  std::uint64_t handle = 0, frame = 0, draw = 0;
-  std::int32_t method = 0;
-  std::vector<PlacedRecord> inputs;
+  std::uint64_t handle = 0, frame = 0, draw = 0;  ///< as in weft_invocation
+  std::int32_t method = 0;                        ///< [] number of the method in its role
+  std::vector<PlacedRecord> inputs;               ///< [.] input records
   std::vector<std::uint64_t> returned;  ///< offsets of output arrays that the host has done with
 
   template <class Self, class Visit>
@@ -88,8 +89,8 @@ struct CallMessage {
 
 struct LogMessage {
   std::string component, text;
-  std::int32_t level = 0;
-  std::uint64_t frame = 0;
+  std::int32_t level = 0;   ///< 0 debug, 1 info, 2 warning
+  std::uint64_t frame = 0;  ///< [] index of the frame
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -101,7 +102,7 @@ struct PlacedTiming {
   std::string component, method;
   std::int64_t start_ns = 0;            ///< [ns] of the steady clock, which is the machine's
   double ms = 0.0, processor_ms = 0.0;  ///< see Spent
-  std::int32_t status = WEFT_OK;
+  std::int32_t status = WEFT_OK;        ///< weft_status
   std::uint64_t downloaded_bytes = 0;
 
   template <class Self, class Visit>
@@ -113,9 +114,9 @@ struct PlacedTiming {
 
 /// The answer to any of them but log.
 struct ReplyMessage {
-  std::int32_t status = WEFT_OK, code = 0;
+  std::int32_t status = WEFT_OK, code = 0;  ///< weft_status; weft_code
   std::string message, where, subject;
-  std::vector<PlacedRecord> outputs;
+  std::vector<PlacedRecord> outputs;  ///< [.] output records
   std::vector<PlacedTiming> timings;  ///< of the components nested in the one called
   std::uint64_t downloaded_bytes = 0;
   double processor_ms = 0.0;  ///< [] ms that this process spent on the call

@@ -13,11 +13,11 @@ namespace weft::host {
 /// A parameter of a component: its value stands in the list that fits its type.
 struct RecipeValue {
   std::string name;
-  std::int32_t type = 0, is_vector = 0;
-  std::vector<double> numbers;
-  std::vector<std::int64_t> integers;
-  std::vector<std::uint8_t> flags;
-  std::vector<std::string> texts;
+  std::int32_t type = 0, is_vector = 0;  ///< weft_value_type; 0 or 1
+  std::vector<double> numbers;           ///< [.] values of floating-point types
+  std::vector<std::int64_t> integers;    ///< [.] values of integer types
+  std::vector<std::uint8_t> flags;       ///< [.] 0 or 1
+  std::vector<std::string> texts;        ///< [.] values of text types
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -30,11 +30,11 @@ struct RecipeValue {
 struct Recipe {
   std::string parameter;  ///< of the component that holds it; empty for the outermost
   std::string id, library;
-  std::vector<std::string> needs, reads, produces;
-  std::vector<std::string> records;  ///< with `record_types`, where its role is open
-  std::vector<RecordSchema> record_types;
-  std::vector<RecipeValue> values;
-  std::vector<Recipe> nested;
+  std::vector<std::string> needs, reads, produces;  ///< [.] names of slots
+  std::vector<std::string> records;                 ///< with `record_types`, where its role is open
+  std::vector<RecordSchema> record_types;           ///< [.] of vendors
+  std::vector<RecipeValue> values;                  ///< [.] parameters
+  std::vector<Recipe> nested;                       ///< [.] nested components
 
   static Recipe of(const ComponentSpec& spec);
 

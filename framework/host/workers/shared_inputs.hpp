@@ -36,7 +36,7 @@ class SharedInputs {
 
   struct Copy {
     std::shared_ptr<void> memory;  ///< null until it is wanted
-    std::int64_t bytes = 0;
+    std::int64_t bytes = 0;        ///< [bytes] size of the copy
     int announced = 0;
   };
   std::shared_ptr<SharedArena> arena_;

@@ -17,50 +17,50 @@ constexpr std::chrono::milliseconds kQuickStart{20};  ///< no spare is needed fo
 
 }  // namespace
 
-Worker::Worker(Isolation isolation, Workplace workplace, CreateMessage component)
+Worker::Worker(Isolation isolation, WorkerContext context, CreateMessage component)
     : isolation_(std::move(isolation)),
-      workplace_(std::move(workplace)),
+      context_(std::move(context)),
       component_(std::move(component)) {}
 
 Worker::~Worker() { end_spare(); }
 
 Result<void> Worker::start() {
   const auto before = Clock::now();
-  auto made = make_seat({}, nullptr);
+  auto made = make_session({}, nullptr);
   if (!made) return made.error();
-  seat_ = *std::move(made);
+  session_ = *std::move(made);
   making_ = Clock::now() - before;
   return {};
 }
 
 /// With all that the component has been told so far. May be called by another thread than that of
 /// the calls.
-Worker::Made Worker::make_seat(const std::vector<CreateMessage>& learned,
-                               const std::atomic<bool>* unwanted) {
-  auto seat = std::make_unique<Seat>(workplace_, component_.recipe.id, unwanted);
-  auto done = seat->start(isolation_.program);
-  if (done) done = seat->create(component_, isolation_.deadline);
-  if (done && !prepared_.empty()) done = seat->prepare(component_.handle, prepared_);
+Worker::Made Worker::make_session(const std::vector<CreateMessage>& learned,
+                                  const std::atomic<bool>* unwanted) {
+  auto session = std::make_unique<WorkerSession>(context_, component_.recipe.id, unwanted);
+  auto done = session->start(isolation_.program);
+  if (done) done = session->create(component_, isolation_.deadline);
+  if (done && !prepared_.empty()) done = session->prepare(component_.handle, prepared_);
   for (const CreateMessage& other : learned) {
-    if (done) done = seat->learn(other, prepared_, isolation_.deadline);
+    if (done) done = session->learn(other, prepared_, isolation_.deadline);
   }
-  if (done && beginning_) done = begin(*seat);
+  if (done && beginning_) done = begin(*session);
   if (!done) return done.error();
-  return seat;
+  return session;
 }
 
-Result<void> Worker::begin(Seat& seat) const {
-  const auto reply = seat.converse(MessageKind::process, pack(*beginning_), isolation_.deadline);
+Result<void> Worker::begin(WorkerSession& session) const {
+  const auto reply = session.converse(MessageKind::process, pack(*beginning_), isolation_.deadline);
   if (!reply) return reply.error();
   if (reply->status != WEFT_OK) return error_in(*reply);
   for (const PlacedRecord& output : reply->outputs) {  // known already: given back at once
-    if (auto record = seat.adopt(output); !record) return record.error();
+    if (auto record = session.adopt(output); !record) return record.error();
   }
   return {};
 }
 
 Result<void> Worker::ready() {
-  if (seat_ != nullptr) return {};
+  if (session_ != nullptr) return {};
   if (!isolation_.starts_again) {
     return Error{Errc::plugin_failure,
                  "its worker is gone and is not started again, lest it write over what it has "
@@ -68,38 +68,38 @@ Result<void> Worker::ready() {
                  component_.recipe.id};
   }
   const bool is_spare = spare_.valid();
-  Made made = is_spare ? spare_.get() : make_seat(learned_, nullptr);
+  Made made = is_spare ? spare_.get() : make_session(learned_, nullptr);
   // One that stood ready for long may tell nothing of now.
   const bool is_stale = made ? (*made)->is_gone() : isolation_.keeps_spare;
-  if (is_spare && is_stale) made = make_seat(learned_, nullptr);
+  if (is_spare && is_stale) made = make_session(learned_, nullptr);
   if (!made) return made.error();  // the next call tries again
-  seat_ = *std::move(made);
-  seat_->take();
+  session_ = *std::move(made);
+  session_->take();
   return {};
 }
 
 /// Whoever calls next waits no longer than need be.
 void Worker::note_death(const Error& death) {
-  if (seat_ == nullptr || !seat_->is_lost()) return;
-  seat_.reset();
+  if (session_ == nullptr || !session_->is_lost()) return;
+  session_.reset();
   if (death.code != Errc::cancelled && isolation_.starts_again) make_spare();
 }
 
 /// A flood of text takes no memory, and its author is told.
 void Worker::bound_output(std::uint64_t frame) {
-  const std::uint64_t bytes = seat_->forget_old_output();
-  if (bytes == 0 || !workplace_.log) return;
-  workplace_.log(component_.stage, kWarning,
-                 "printed more than " + std::to_string(bytes >> 20U) +
-                     " MiB, which its worker does not keep; print less, or into a file",
-                 frame);
+  const std::uint64_t bytes = session_->forget_old_output();
+  if (bytes == 0 || !context_.log) return;
+  context_.log(component_.stage, kWarning,
+               "printed more than " + std::to_string(bytes >> 20U) +
+                   " MiB, which its worker does not keep; print less, or into a file",
+               frame);
 }
 
 void Worker::make_spare() {
   if (spare_.valid()) return;
   try {
     spare_ = std::async(std::launch::async,
-                        [this, learned = learned_] { return make_seat(learned, &ending_); });
+                        [this, learned = learned_] { return make_session(learned, &ending_); });
   } catch (const std::system_error&) {
     return;  // there is no thread: the next call makes the process
   }
@@ -116,11 +116,11 @@ Result<void> Worker::prepare(InputsBySlot inputs) {
   end_spare();  // it was made with others
   prepared_ = std::move(inputs);
   const auto before = Clock::now();
-  const bool running = seat_ != nullptr;
+  const bool running = session_ != nullptr;
   auto up = ready();
   if (up && running) {
-    up = seat_->prepare(component_.handle, prepared_);
-    if (seat_->is_lost()) seat_.reset();
+    up = session_->prepare(component_.handle, prepared_);
+    if (session_->is_lost()) session_.reset();
   }
   making_ += Clock::now() - before;
   return up;
@@ -128,8 +128,8 @@ Result<void> Worker::prepare(InputsBySlot inputs) {
 
 Result<void> Worker::learn(const CreateMessage& component) {
   if (auto up = ready(); !up) return up;
-  if (seat_->knows(component.handle)) return {};
-  auto known = seat_->learn(component, prepared_, isolation_.deadline);
+  if (session_->knows(component.handle)) return {};
+  auto known = session_->learn(component, prepared_, isolation_.deadline);
   if (!known) {
     note_death(known.error());
     return known;
@@ -150,11 +150,11 @@ Result<Worker::Answer> Worker::process(int method, std::uint64_t frame, std::uin
   if (auto up = ready(); !up) return up.error();
   bound_output(frame);
   std::vector<std::shared_ptr<void>> keep;
-  auto placed = seat_->place(inputs, keep);
+  auto placed = session_->place(inputs, keep);
   if (!placed) return placed.error();
-  const CallMessage call{component_.handle, frame, draw, method, *std::move(placed),
-                         seat_->returned()};
-  const auto reply = seat_->converse(MessageKind::process, pack(call), isolation_.deadline);
+  const CallMessage call{component_.handle,   frame, draw, method, *std::move(placed),
+                         session_->returned()};
+  const auto reply = session_->converse(MessageKind::process, pack(call), isolation_.deadline);
   if (!reply) {
     note_death(reply.error());
     return reply.error();
@@ -162,7 +162,7 @@ Result<Worker::Answer> Worker::process(int method, std::uint64_t frame, std::uin
   Answer answer{reply->status,  error_in(*reply),        {},
                 reply->timings, reply->downloaded_bytes, reply->processor_ms};
   for (const PlacedRecord& output : reply->outputs) {
-    auto record = seat_->adopt(output);
+    auto record = session_->adopt(output);
     if (!record) {
       note_death(record.error());
       return record.error();

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/workers/seat.hpp"
+#include "host/workers/worker_session.hpp"
 
 namespace weft::host {
 
@@ -21,15 +21,15 @@ namespace weft::host {
 class Worker {
  public:
   struct Answer {
-    std::int32_t status = WEFT_OK;
-    Error error;  ///< for degenerate its message is the reason
+    std::int32_t status = WEFT_OK;  ///< weft_status
+    Error error;                    ///< for degenerate its message is the reason
     std::vector<std::pair<std::string, std::shared_ptr<Record>>> outputs;  ///< by slot, unchecked
     std::vector<PlacedTiming> timings;                                     ///< nested components
     std::uint64_t downloaded_bytes = 0;                                    ///< see host::Outcome
     double processor_ms = 0.0;                                             ///< [] ms spent there
   };
 
-  Worker(Isolation isolation, Workplace workplace, CreateMessage component);
+  Worker(Isolation isolation, WorkerContext context, CreateMessage component);
   ~Worker();
 
   /// Starts the process and creates the component there.
@@ -51,10 +51,10 @@ class Worker {
                          std::span<const weft_record> inputs);
 
  private:
-  using Made = Result<std::unique_ptr<Seat>>;
+  using Made = Result<std::unique_ptr<WorkerSession>>;
 
-  Made make_seat(const std::vector<CreateMessage>& learned, const std::atomic<bool>* unwanted);
-  Result<void> begin(Seat& seat) const;
+  Made make_session(const std::vector<CreateMessage>& learned, const std::atomic<bool>* unwanted);
+  Result<void> begin(WorkerSession& session) const;
   Result<void> ready();
   void note_death(const Error& death);
   void bound_output(std::uint64_t frame);
@@ -62,12 +62,12 @@ class Worker {
   void end_spare();
 
   Isolation isolation_;
-  Workplace workplace_;
+  WorkerContext context_;
   CreateMessage component_;
   InputsBySlot prepared_;
   std::vector<CreateMessage> learned_;
   std::optional<CallMessage> beginning_;
-  std::unique_ptr<Seat> seat_;                    ///< null before the first start and after a death
+  std::unique_ptr<WorkerSession> session_;        ///< null before the first start and after a death
   std::chrono::steady_clock::duration making_{};  ///< what it took to start and prepare it
   std::atomic<bool> ending_{false};               ///< no spare is wanted any more
   std::future<Made> spare_;                       ///< being made, or ready

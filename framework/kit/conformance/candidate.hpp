@@ -31,11 +31,11 @@ struct Candidate {
 
 /// What is asked for.
 struct Asked {
-  std::vector<std::string> subjects;  ///< libraries, manifests, ids
-  bool all = false;                   ///< every installed component
-  std::string params;                 ///< YAML, of a single component; empty for none
-  std::vector<std::string> plugin_folders;
-  std::uint64_t seed = testing::kContractSeed;
+  std::vector<std::string> subjects;            ///< libraries, manifests, ids
+  bool all = false;                             ///< every installed component
+  std::string params;                           ///< YAML, of a single component; empty for none
+  std::vector<std::string> plugin_folders;      ///< [.] searched first
+  std::uint64_t seed = testing::kContractSeed;  ///< [] seed of the synthetic inputs
 };
 
 /// Parameters, deviations and reasons to skip are read of the file `<library>.check` beside the

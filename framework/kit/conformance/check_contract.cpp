@@ -31,11 +31,11 @@ void check_no_memory(Play& play, Page& page) {
     const auto answers = play.whole({.passage = &host});
     if (!host.has_refused()) break;
     ++refused;
-    const bool told = host.answer() == WEFT_ERROR &&
-                      std::any_of(answers.begin(), answers.end(), [](const Answer& answer) {
-                        return answer.status == WEFT_ERROR && !answer.message.empty();
-                      });
-    page.expect(told,
+    const bool is_reported = host.answer() == WEFT_ERROR &&
+                             std::any_of(answers.begin(), answers.end(), [](const Answer& answer) {
+                               return answer.status == WEFT_ERROR && !answer.message.empty();
+                             });
+    page.expect(is_reported,
                 fmt::format("alloc number {} gives null, and it says {}: answer WEFT_ERROR "
                             "with WEFT_CODE_NO_MEMORY",
                             which + 1,

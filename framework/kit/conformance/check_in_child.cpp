@@ -24,7 +24,7 @@ void on_fault(int signal, siginfo_t* info, void* /*context*/) {
   const testing::SpoiltInput spoilt = testing::spoilt_input_at(info->si_addr);
   if (spoilt.input != nullptr) {
     Notebook::remark(remarks_to, "it ");
-    Notebook::remark(remarks_to, spoilt.deed);
+    Notebook::remark(remarks_to, spoilt.access);
     Notebook::remark(remarks_to, spoilt.input);
     Notebook::remark(remarks_to, ": ");
   }

@@ -44,8 +44,9 @@ double loading_ms(const std::string& library) {
       page.note(std::to_string(took.count() - (queued_ms(gettid()) - queued_before_ms)));
     });
   });
-  const bool is_told = !seen.empty() && seen.front().verdict == Verdict::holds;
-  return is_told ? std::stod(seen.front().seen) : 0.0;  // what cannot be loaded is told elsewhere
+  const bool is_measured = !seen.empty() && seen.front().verdict == Verdict::holds;
+  return is_measured ? std::stod(seen.front().seen)
+                     : 0.0;  // what cannot be loaded is told elsewhere
 }
 
 /// Twice, for the first time what it needs may come from a disk.

@@ -51,7 +51,7 @@ void check_methods(Play& play, const weft_component& component, Page& page) {
               "it says that it has methods which its role does not have");
 }
 
-/// Calls a method that there is not, of whatever the lane asks for.
+/// Calls a method that there is not, of whatever the execution context asks for.
 class OddMethod final : public testing::Passage {
  public:
   std::int32_t process(const weft_component& component, void* self, const weft_call& call,

@@ -12,8 +12,8 @@ namespace weft::conformance {
 /// How a component did.
 struct Report {
   std::string id, library;
-  std::string skipped;  ///< why it was not checked, or not called; empty where it was
-  std::vector<Finding> findings;
+  std::string skipped;            ///< why it was not checked, or not called; empty where it was
+  std::vector<Finding> findings;  ///< [.] in the order of the checks
 
   std::size_t count(Verdict verdict) const;
   bool fails() const { return count(Verdict::fails) > 0; }

@@ -14,7 +14,7 @@ namespace {
 // A note is its kind and fields, kept apart and ended by characters that no text of ours has.
 constexpr char kBegun = 'b', kEnded = 'e', kRemark = 'r';
 constexpr char kField = '\x1f', kEnd = '\x1e';
-constexpr int kMostTold = 4;  ///< of one check
+constexpr int kMostReported = 4;  ///< of one check
 
 }  // namespace
 
@@ -22,8 +22,8 @@ void Page::fail(const std::string& seen) {
   if (verdict_ != Verdict::fails) seen_.clear();
   verdict_ = Verdict::fails;
   if (seen_.find(seen) != std::string::npos && !seen_.empty()) return;
-  if (++told_ > kMostTold) return;
-  seen_ += (seen_.empty() ? "" : "; ") + (told_ == kMostTold ? "and more" : seen);
+  if (++reported_ > kMostReported) return;
+  seen_ += (seen_.empty() ? "" : "; ") + (reported_ == kMostReported ? "and more" : seen);
 }
 
 void Page::skip(const std::string& why) {

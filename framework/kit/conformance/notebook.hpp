@@ -28,7 +28,7 @@ class Page {
  private:
   Verdict verdict_ = Verdict::holds;
   std::string seen_;
-  int told_ = 0;
+  int reported_ = 0;
 };
 
 /// Where the checks of a group are written down, one by one, so that those before a crash are
@@ -63,8 +63,8 @@ class Notebook {
 
 /// What a notebook holds.
 struct Notes {
-  std::vector<Finding> findings;
-  std::string unfinished;  ///< the check in which it ends; empty where it was closed
+  std::vector<Finding> findings;  ///< [.] in the order of the checks
+  std::string unfinished;         ///< the check in which it ends; empty where it was closed
   std::string remarks;
 };
 Notes read_notes(const std::string& written);

@@ -41,7 +41,7 @@ bool is_near(const weft_array& a, const weft_array& b) {
 std::string loose_difference(const Answer& a, const Answer& b) {
   if (a.status != b.status) return "it says " + to_text(a) + ", not " + to_text(b);
   for (const auto& [slot, record] : a.outputs) {
-    const testing::HeldRecord other = b.find(slot);
+    const testing::HostRecord other = b.find(slot);
     if (record == nullptr || other == nullptr) return "it makes other outputs";
     const weft_record of_a = testing::view_of(record), of_b = testing::view_of(other);
     for (std::uint64_t i = 0; i < of_a.count && i < of_b.count; ++i) {
@@ -72,7 +72,7 @@ bool is_same(const weft_array& a, const weft_array& b) {
 
 std::string lack(const Answer& given, const Answer& expected) {
   for (const auto& [slot, record] : expected.outputs) {
-    const testing::HeldRecord other = given.find(slot);
+    const testing::HostRecord other = given.find(slot);
     if (record == nullptr || other == nullptr) return "it makes other outputs";
     const weft_record arrays = testing::view_of(record), others = testing::view_of(other);
     for (std::uint64_t i = 0; i < arrays.count; ++i) {

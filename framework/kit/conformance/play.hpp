@@ -25,7 +25,7 @@ struct Setting {
         scenes{testing::make_scene(0, which.seed), testing::make_scene(1, which.seed)} {}
 
   const Candidate& candidate;
-  std::array<Scene, 2> scenes;
+  std::array<Scene, 2> scenes;  ///< [2] one per frame
 };
 
 /// A component with its parameters, and usual calls of it, whatever its role is. What it writes

@@ -37,8 +37,8 @@ class RoleChecks {
     for (; failed_ < report.failures.size(); ++failed_) {
       page.fail(report.failures[failed_].substr(begin));
     }
-    for (; told_ < report.inapplicable.size(); ++told_) {
-      page.skip(report.inapplicable[told_].substr(begin));
+    for (; reported_ < report.inapplicable.size(); ++reported_) {
+      page.skip(report.inapplicable[reported_].substr(begin));
     }
     notebook_.end(page);
   }
@@ -48,7 +48,7 @@ class RoleChecks {
   testing::ContractOptions options_;
   testing::Checks* checks_ = nullptr;
   std::string what_;
-  std::size_t failed_ = 0, told_ = 0;
+  std::size_t failed_ = 0, reported_ = 0;
 };
 
 }  // namespace weft::conformance

@@ -143,7 +143,7 @@ std::vector<Input> inputs_of(const Subject& subject, const Scene& scene, const S
   std::vector<Input> inputs;
   for (const RoleSlot& slot : subject.rules().main_method().inputs) {
     if (!subject.takes(slot.name) || left_out.count(slot.name) != 0) continue;
-    if (HeldRecord record = scene.record(slot.name)) inputs.push_back({slot.name, record});
+    if (HostRecord record = scene.record(slot.name)) inputs.push_back({slot.name, record});
   }
   return inputs;
 }

@@ -24,7 +24,7 @@ struct Case {
   std::string name;  ///< "with 0 matches"
   Expect expect;
   Scene scene;
-  std::vector<Input> inputs;
+  std::vector<Input> inputs;  ///< [.] inputs of the call
 
   bool gives(std::string_view slot) const {
     return std::any_of(inputs.begin(), inputs.end(),

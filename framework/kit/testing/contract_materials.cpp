@@ -152,7 +152,7 @@ GroundTruth truth_of(const Template& templ, const Points3& vertices_m) {
   return truth;
 }
 
-KnownPoints held_corners(const Points3& vertices_m) {
+KnownPoints known_corners(const Points3& vertices_m) {
   KnownPoints known{Array<std::int32_t>({2}, 0), Array<double>({2, 3}, 0.0),
                     Array<double>({2}, 0.0)};
   const Eigen::Index last = vertices_m.rows() - 1;

@@ -28,6 +28,6 @@ Visibility all_visible(std::int64_t count);
 GroundTruth truth_of(const Template& templ, const Points3& vertices_m);
 
 /// The first and the last vertex, within 5 mm.
-KnownPoints held_corners(const Points3& vertices_m);
+KnownPoints known_corners(const Points3& vertices_m);
 
 }  // namespace weft::testing

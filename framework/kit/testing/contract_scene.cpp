@@ -133,7 +133,7 @@ void Scene::leave_the_mesh() {
   follow_matches();
 }
 
-HeldRecord Scene::record(std::string_view slot) const {
+HostRecord Scene::record(std::string_view slot) const {
   if (slot == "camera") return hold(camera);
   if (slot == "template") return hold(templ);
   if (slot == "image" || slot == "previous.image") return hold(image);
@@ -183,7 +183,7 @@ Scene make_scene(int number, const MatchSpec& draw, int round, std::uint64_t see
   scene.warp_samples = sample_truth(scene.templ, scene.camera, sheet);
   scene.shape = shape_at(vertices_m);
   scene.visibility = all_visible(vertices_m.rows());
-  scene.known_points = held_corners(vertices_m);
+  scene.known_points = known_corners(vertices_m);
   scene.time.t_s = 0.04 * number;
   scene.image.stem = number == 0 ? "000000" : "000001";
   scene.image.pixels = Array<std::uint8_t>({scene.camera.height_px, scene.camera.width_px}, 0);

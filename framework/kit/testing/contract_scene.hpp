@@ -12,7 +12,7 @@
 #include <weft/data/sightlines.hpp>
 #include <weft/data/visibility.hpp>
 #include <weft/data/warp.hpp>
-#include <weft/testing/held_record.hpp>
+#include <weft/testing/host_record.hpp>
 #include <weft/testing/role_contract.hpp>
 #include <weft/testing/synthetic.hpp>
 
@@ -47,7 +47,7 @@ struct Scene {
   void leave_the_mesh();
 
   /// Null where there is none for this input, or where it is no legal record.
-  HeldRecord record(std::string_view slot) const;
+  HostRecord record(std::string_view slot) const;
 
   /// Makes sightlines, weights and truth those of the matches.
   void follow_matches();

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <weft/core/index.hpp>
 
-#include "host/calling/lane_parts.hpp"
+#include "host/calling/execution_context_parts.hpp"
 #include "host/calling/protected_inputs.hpp"
 #include "host/loading/component_checks.hpp"
 #include "host/records/plugin_error.hpp"
@@ -133,7 +133,7 @@ bool Subject::produces(std::string_view output) const {
   return has(manifest().produces, output);
 }
 
-HeldRecord Answer::find(std::string_view slot) const {
+HostRecord Answer::find(std::string_view slot) const {
   for (const auto& [name, record] : outputs) {
     if (name == slot) return record;
   }
@@ -150,7 +150,7 @@ std::string difference(const Answer& a, const Answer& b) {
   if (a.status != b.status) return "it says " + to_text(a) + ", not " + to_text(b);
   if (a.outputs.size() != b.outputs.size()) return "it makes other outputs";
   for (const auto& [slot, record] : a.outputs) {
-    const HeldRecord other = b.find(slot);
+    const HostRecord other = b.find(slot);
     if (other == nullptr || record == nullptr) return "it makes other outputs";
     std::string how = difference(slot, view_of(record), view_of(other));
     if (!how.empty()) return how;
@@ -202,17 +202,17 @@ struct Performer::Passed {
 };
 
 Performer::Performer(const Subject& subject, const Performance& how)
-    : subject_(&subject), how_(how), lane_(how.run_seed, {}, how.arena) {
-  if (how.protects_inputs) lane_.protect_inputs();
-  lane_.divide_threads(how.threads, 1);
+    : subject_(&subject), how_(how), context_(how.run_seed, {}, how.arena) {
+  if (how.protects_inputs) context_.protect_inputs();
+  context_.divide_threads(how.threads, 1);
 }
 
 Performer::~Performer() = default;
 
-/// An instance in the lane, of which calls take the passage where there is one.
+/// An instance in the execution context, of which calls take the passage where there is one.
 Result<host::Instance*> Performer::made(const Subject& subject) {
-  if (how_.arena != nullptr) return lane_.instantiate_isolated(subject.spec(), kStage, {});
-  auto made = lane_.instantiate(subject.spec(), kStage);
+  if (how_.arena != nullptr) return context_.instantiate_isolated(subject.spec(), kStage, {});
+  auto made = context_.instantiate(subject.spec(), kStage);
   if (!made || how_.passage == nullptr) return made;
   host::Instance& instance = **made;
   const weft_component& component = *instance.table;
@@ -247,21 +247,21 @@ Result<void> Performer::create() {
   if (!instance) return instance.error();
   instance_ = *instance;
   if (!subject_->warp_maker) return {};
-  const auto maker = lane_.instantiate(*subject_->warp_maker, "warps");
+  const auto maker = context_.instantiate(*subject_->warp_maker, "warps");
   if (!maker) return maker.error();
   warp_maker_ = *maker;
   return {};
 }
 
 Result<void> Performer::prepare(const Template& templ, const Camera& camera) {
-  const HeldRecord held_template = hold(templ), held_camera = hold(camera);
+  const HostRecord template_record = hold(templ), camera_record = hold(camera);
   if (warp_maker_ != nullptr) {
-    if (auto ready = lane_.prepare(*warp_maker_, *held_template, *held_camera); !ready)
+    if (auto ready = context_.prepare(*warp_maker_, *template_record, *camera_record); !ready)
       return ready;
   }
   const PipelinePart part = subject_->rules().part;
   if (part == PipelinePart::source || part == PipelinePart::templ) return {};
-  return lane_.prepare(*instance_, *held_template, *held_camera);
+  return context_.prepare(*instance_, *template_record, *camera_record);
 }
 
 Result<void> Performer::replace(const Subject& changed, const Template& templ,
@@ -270,9 +270,10 @@ Result<void> Performer::replace(const Subject& changed, const Template& templ,
   if (!instance) return instance.error();
   const PipelinePart part = changed.rules().part;
   if (part != PipelinePart::source && part != PipelinePart::templ) {
-    if (auto ready = lane_.prepare(**instance, *hold(templ), *hold(camera)); !ready) return ready;
+    if (auto ready = context_.prepare(**instance, *hold(templ), *hold(camera)); !ready)
+      return ready;
   }
-  lane_.replace(*instance_, **instance);
+  context_.replace(*instance_, **instance);
   instance_ = *instance;
   subject_ = &changed;
   return {};
@@ -287,16 +288,16 @@ Answer Performer::call(int method, const std::vector<Input>& inputs, std::uint64
   }
   host::RecordPtr warp;
   if (warp_maker_ != nullptr && of_fit.size() == 2) {
-    warp = lane_.call(*warp_maker_, kRunStage, of_fit, frame).find("warp");
+    warp = context_.call(*warp_maker_, kRunStage, of_fit, frame).find("warp");
     if (warp != nullptr) views.push_back(warp->view("warp"));
   }
-  Answer answer = answer_of(lane_.call(*instance_, method, views, frame));
-  lane_.take_timings();  // or they would grow
+  Answer answer = answer_of(context_.call(*instance_, method, views, frame));
+  context_.times().take();  // or they would grow
   return answer;
 }
 
-Answer Performer::evaluate(const HeldRecord& warp, const Points& points) {
-  return answer_of(lane_.evaluate(*warp, points, 0));
+Answer Performer::evaluate(const HostRecord& warp, const Points& points) {
+  return answer_of(context_.evaluate(*warp, points, 0));
 }
 
 }  // namespace weft::testing

@@ -13,7 +13,7 @@
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/role_contract.hpp>
 
-#include "host/calling/lane.hpp"
+#include "host/calling/execution_context.hpp"
 #include "host/roles/role_rules.hpp"
 
 namespace weft::testing {
@@ -74,14 +74,14 @@ struct Answer {
   weft_status status = WEFT_OK;
   Errc code = {};
   std::string message;
-  std::vector<std::pair<std::string, HeldRecord>> outputs{};
+  std::vector<std::pair<std::string, HostRecord>> outputs{};  ///< [.] slot and record
 
   bool is_usable() const { return status == WEFT_OK || status == WEFT_DEGENERATE; }
-  HeldRecord find(std::string_view slot) const;
+  HostRecord find(std::string_view slot) const;
 
   template <class RecordType>
   std::optional<RecordType> get(std::string_view slot) const {
-    const HeldRecord record = find(slot);
+    const HostRecord record = find(slot);
     return record == nullptr ? std::nullopt : typed_in<RecordType>(record);
   }
 };
@@ -106,14 +106,14 @@ class Passage {
 
 /// How an instance is made and called.
 struct Performance {
-  std::uint64_t run_seed = kContractSeed;
+  std::uint64_t run_seed = kContractSeed;              ///< [] seed of the run
   int threads = 1;                                     ///< that a call may use
   bool protects_inputs = true;                         ///< so that writing into them faults
   Passage* passage = nullptr;                          ///< null for none; outlives the instance
   std::shared_ptr<host::SharedArena> arena = nullptr;  ///< it lives in a worker, where there is one
 };
 
-/// An instance of the component in a lane of its own.
+/// An instance of the component in an execution context of its own.
 class Performer {
  public:
   explicit Performer(const Subject& subject, const Performance& how = {});
@@ -130,10 +130,12 @@ class Performer {
   Result<void> replace(const Subject& changed, const Template& templ, const Camera& camera);
 
   Answer call(int method, const std::vector<Input>& inputs, std::uint64_t frame = 0);
-  Answer evaluate(const HeldRecord& warp, const Points& points);
+  Answer evaluate(const HostRecord& warp, const Points& points);
 
-  std::atomic<bool>& cancel() { return lane_.cancel(); }
-  void watch(std::function<bool()> cancelled) { lane_.watch(std::move(cancelled)); }
+  std::atomic<bool>& cancel() { return context_.cancellation().flag(); }
+  void watch(std::function<bool()> cancelled) {
+    context_.cancellation().watch(std::move(cancelled));
+  }
 
  private:
   struct Passed;
@@ -141,8 +143,8 @@ class Performer {
 
   const Subject* subject_;
   Performance how_;
-  std::vector<std::unique_ptr<Passed>> passed_;  ///< behind the instances of the lane
-  host::Lane lane_;
+  std::vector<std::unique_ptr<Passed>> passed_;  ///< behind the instances of the execution context
+  host::ExecutionContext context_;
   host::Instance* instance_ = nullptr;
   host::Instance* warp_maker_ = nullptr;
 };

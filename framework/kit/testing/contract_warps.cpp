@@ -15,7 +15,7 @@ constexpr double kStep_px = 0.01;
 
 /// Values of derivative `order` at the points moved along axis `along`, [M, .]; empty where the
 /// warp is not evaluated there.
-Eigen::MatrixXd values_at(Performer& performer, const HeldRecord& warp, Points2 points, int along,
+Eigen::MatrixXd values_at(Performer& performer, const HostRecord& warp, Points2 points, int along,
                           double shift_px, int order) {
   points.col(along).array() += shift_px;
   const Answer answer = performer.evaluate(warp, {make_array<double>(points), order});
@@ -32,7 +32,7 @@ Eigen::MatrixXd values_at(Performer& performer, const HeldRecord& warp, Points2 
 }
 
 /// Derivatives of `order` against differences of those of one order less.
-void check_derivatives(Performer& performer, const HeldRecord& warp, const Points2& points,
+void check_derivatives(Performer& performer, const HostRecord& warp, const Points2& points,
                        int order, Checks& checks) {
   checks.begin("derivatives of order " + std::to_string(order));
   const Eigen::MatrixXd exact = values_at(performer, warp, points, 0, 0.0, order);
@@ -64,7 +64,7 @@ void check_warp(const Subject& subject, Checks& checks) {
   Performer performer(subject), stranger(subject);
   if (!performer.begin(usual.scene.templ, usual.scene.camera)) return;
   if (!stranger.begin(usual.scene.templ, usual.scene.camera)) return;
-  const HeldRecord warp = performer.call(kRunStage, usual.inputs).find("warp");
+  const HostRecord warp = performer.call(kRunStage, usual.inputs).find("warp");
   if (warp == nullptr) return;  // told already
   const Points2 points = inner_texels(usual.scene.templ);
   const Points asked{make_array<double>(points), 2};

@@ -2,13 +2,13 @@
 #include <stdexcept>
 #include <weft/testing/plugin_under_test.hpp>
 
-#include "host/calling/lane.hpp"
+#include "host/calling/execution_context.hpp"
 
 namespace weft::testing {
 
 struct PluginUnderTest::Host {
   explicit Host(std::uint64_t run_seed)
-      : registry(host::Registry::scan(host::search_path({}))), lane(run_seed, {}) {}
+      : registry(host::Registry::scan(host::search_path({}))), context(run_seed, {}) {}
 
   PluginAnswer keep(host::Outcome outcome) {
     for (const auto& [slot, record] : outcome.outputs) kept.push_back(record);
@@ -20,10 +20,10 @@ struct PluginUnderTest::Host {
   }
 
   host::Registry registry;
-  host::Lane lane;
+  host::ExecutionContext context;
   std::optional<host::ComponentSpec> spec;
   host::Instance* instance = nullptr;
-  std::vector<HeldRecord> kept;
+  std::vector<HostRecord> kept;
 };
 
 PluginUnderTest::PluginUnderTest(const std::string& id, const std::string& params,
@@ -38,37 +38,37 @@ PluginUnderTest::PluginUnderTest(const std::string& id, const std::string& param
                                           host::PathRules::of_process({"/"}, "/tmp"), problems);
   }
   if (!problems.empty()) throw std::runtime_error(problems.front().message);
-  const auto instance = host_->lane.instantiate(*host_->spec, "test");
+  const auto instance = host_->context.instantiate(*host_->spec, "test");
   if (!instance) throw std::runtime_error(instance.error().message);
   host_->instance = *instance;
 }
 
 PluginUnderTest::~PluginUnderTest() = default;
 
-std::atomic<bool>& PluginUnderTest::cancel() { return host_->lane.cancel(); }
+std::atomic<bool>& PluginUnderTest::cancel() { return host_->context.cancellation().flag(); }
 
 void PluginUnderTest::watch(std::function<bool()> cancelled) {
-  host_->lane.watch(std::move(cancelled));
+  host_->context.cancellation().watch(std::move(cancelled));
 }
 
 void PluginUnderTest::forget() {
   host_->kept.clear();
-  host_->lane.take_timings();
+  host_->context.times().take();
 }
 
 Result<void> PluginUnderTest::prepare(const Template& templ, const Camera& camera) {
-  return host_->lane.prepare(*host_->instance, *hold(templ), *hold(camera));
+  return host_->context.prepare(*host_->instance, *hold(templ), *hold(camera));
 }
 
 PluginAnswer PluginUnderTest::process(int method, const std::vector<Input>& inputs,
                                       std::uint64_t frame) {
   std::vector<weft_record> views;
   for (const Input& given : inputs) views.push_back(given.record->view(given.slot.c_str()));
-  return host_->keep(host_->lane.call(*host_->instance, method, views, frame));
+  return host_->keep(host_->context.call(*host_->instance, method, views, frame));
 }
 
 PluginAnswer PluginUnderTest::evaluate(const Warp& warp, const Points& points) {
-  return host_->keep(host_->lane.evaluate(*hold(warp), points, 0));
+  return host_->keep(host_->context.evaluate(*hold(warp), points, 0));
 }
 
 }  // namespace weft::testing

@@ -6,7 +6,7 @@
 
 namespace weft::testing {
 
-void write_record_file(const std::string& file, const char* slot, HeldRecord record) {
+void write_record_file(const std::string& file, const char* slot, HostRecord record) {
   const auto written = host::write_npz(file, {{slot, std::move(record)}});
   if (!written) throw std::runtime_error(written.error().message);
 }

@@ -22,7 +22,7 @@ void adopt_rebuilt(Grid& grid, const std::map<std::string, CellRecord>& stored) 
   }
 }
 
-/// Keys of which there is nothing but a damaged result.
+/// Keys with nothing but a damaged result.
 std::set<std::string> damaged_keys(const CellRecords& stored) {
   std::set<std::string> keys;
   for (const Damage& damage : stored.damaged) {
@@ -62,8 +62,8 @@ std::vector<Damage> failed_lines(const Grid& grid, const CellRecords& stored) {
   return lines;
 }
 
-/// What the folder has, without what is to be tried again. A key may have several lines: behind
-/// one that is withdrawn another may stand.
+/// Results in the folder, without those to be tried again. A key may have several lines: a valid
+/// one may follow one that is withdrawn.
 Result<CellRecords> read_and_withdraw(Grid& grid, const ResultsFolder& folder,
                                       const AblationOptions& options) {
   for (;;) {

@@ -20,14 +20,14 @@ struct AblationOptions {
 
 /// Where an ablation stands. cells = done + failed + damaged + left.
 struct AblationState {
-  std::size_t cells = 0;
-  std::size_t keys = 0;  ///< distinct ones
-  std::size_t done = 0, failed = 0, left = 0;
-  std::size_t damaged = 0;           ///< cells whose only results cannot be trusted
-  std::size_t stages = 0;            ///< stages of the distinct keys that are finished
-  std::size_t stages_executed = 0;   ///< of these, executed; the others were shared
-  std::vector<std::string> reasons;  ///< why cells were left
-  Results results;                   ///< of cells of other plans too, without errors by frame
+  std::size_t cells = 0;                       ///< [] number of cells
+  std::size_t keys = 0;                        ///< distinct ones
+  std::size_t done = 0, failed = 0, left = 0;  ///< [] numbers of cells
+  std::size_t damaged = 0;                     ///< cells whose only results cannot be trusted
+  std::size_t stages = 0;                      ///< stages of the distinct keys that are finished
+  std::size_t stages_executed = 0;             ///< of these, executed; the others were shared
+  std::vector<std::string> reasons;            ///< why cells were left
+  Results results;  ///< of cells of other plans too, without errors by frame
 };
 
 /// What the folder has of the grid's cells. Results that are accepted give their cells their keys.

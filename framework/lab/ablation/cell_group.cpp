@@ -33,17 +33,17 @@ std::string text_of(const Error& error) {
   return (error.where.empty() ? "" : error.where + ": ") + error.message;
 }
 
-/// Whether a failure says something about the pipeline and its data. The rest may be otherwise the
-/// next time, on the same machine: memory, files that are gone, libraries that cannot be loaded.
+/// True if a failure depends on the pipeline and its data. Other failures may not occur the next
+/// time, on the same machine: memory, files that are gone, libraries that cannot be loaded.
 bool is_own(Errc code) {
   constexpr Errc kNotOwn[] = {Errc::no_memory, Errc::io, Errc::not_found, Errc::incompatible,
                               Errc::cancelled};
   return std::find(std::begin(kNotOwn), std::end(kNotOwn), code) == std::end(kNotOwn);
 }
 
-/// What cells of a group have in common.
+/// Common parts of the cells of a group.
 struct Common {
-  host::Lane& lane;
+  host::ExecutionContext& context;
   PipelineInput input;
   RunReader scene;
   StageMemo memo{};
@@ -65,9 +65,9 @@ class Member {
   /// Makes the stages that no member before it has made.
   void open(Common& common, const Measurement& measurement) {
     deadline_s_ = measurement.deadline_s;
-    common.lane.use_seed(cell_.seed);
+    common.context.use_seed(cell_.seed);
     auto executor =
-        Executor::create(pipeline_.config, pipeline_.graph, common.lane, common.input.templ(),
+        Executor::create(pipeline_.config, pipeline_.graph, common.context, common.input.templ(),
                          common.input.camera(), {&common.memo, cell_.identity.stages});
     if (!executor) return fail(executor.error());
     auto evaluator = RunEvaluator::create(common.scene, measurement.options, config().is_sequence);
@@ -109,7 +109,7 @@ class Member {
 
   void draw(const std::string& sink, const host::Registry& registry, const Common& common) {
     result_.pictures =
-        worst_.draw(sink, registry, common.lane, common.input.templ(), common.input.camera());
+        worst_.draw(sink, registry, common.context, common.input.templ(), common.input.camera());
   }
 
   void fail(const std::string& reason) { result_.failure = reason; }
@@ -193,7 +193,7 @@ class Member {
   std::optional<RunEvaluator> evaluator_;
   KeptFrames kept_;
   WorstFrames worst_;
-  Error first_error_{};      ///< of a frame; without a message while there is none
+  Error first_error_{};      ///< error of a frame; without a message while there is none
   bool lost_input_ = false;  ///< the source could not read that frame's files
   double deadline_s_ = 0.0;  ///< 0: none
   double spent_ms_ = 0.0;    ///< by the stages that it executed
@@ -217,8 +217,8 @@ class Group {
 
   Result<void> run() {
     if (members_.empty()) return {};
-    const auto lane = make_lane();
-    auto common = lane ? open(**lane) : lane.error();
+    const auto context = make_context();
+    auto common = context ? open(**context) : context.error();
     if (common) {
       for (Member& member : members_) {
         observer_.cell_works();
@@ -240,7 +240,7 @@ class Group {
   }
 
  private:
-  /// A result is one of the data that the cell's key speaks of, or none.
+  /// A result belongs to the data of the cell's key, or there is none.
   Result<void> hand_over(Member& member, const RecordPtr& templ) {
     observer_.cell_works();
     const std::string changed = grid_.changed_input(member.pipeline());
@@ -258,7 +258,7 @@ class Group {
   }
 
   /// Records stand in shared memory where some stage runs in a process of its own.
-  Result<std::unique_ptr<host::Lane>> make_lane() {
+  Result<std::unique_ptr<host::ExecutionContext>> make_context() {
     const bool any = std::any_of(members_.begin(), members_.end(), [](const Member& member) {
       return has_isolated(member.config());
     });
@@ -268,16 +268,17 @@ class Group {
       if (!made) return made.error();
       arena = *std::move(made);
     }
-    return std::make_unique<host::Lane>(members_.front().cell().seed, host::Lane::Log(), arena);
+    return std::make_unique<host::ExecutionContext>(members_.front().cell().seed,
+                                                    host::ExecutionContext::Log(), arena);
   }
 
-  Result<Common> open(host::Lane& lane) {
-    auto input = PipelineInput::open(members_.front().config(), lane);
+  Result<Common> open(host::ExecutionContext& context) {
+    auto input = PipelineInput::open(members_.front().config(), context);
     if (!input) return input.error();
     auto scene = RunReader::in_memory("the template",
                                       {{"template", input->templ()}, {"camera", input->camera()}});
     if (!scene) return scene.error();
-    return Common{lane, *std::move(input), *std::move(scene)};
+    return Common{context, *std::move(input), *std::move(scene)};
   }
 
   void run_frames(Common& common) {

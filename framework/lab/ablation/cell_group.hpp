@@ -18,25 +18,25 @@ struct StageTiming {
   std::vector<double> ms, processor_ms;  ///< one for each frame, see host::Spent
 };
 
-/// What a cell came to.
+/// Outcome of a cell.
 struct CellResult {
   std::string failure;      ///< why it failed; empty where it is done
   std::string left;         ///< why there is no result: nothing that the cell is to blame for
-  std::string first_error;  ///< of a frame: which, of which stage; empty where there was none
-  std::optional<RunMetrics> metrics;  ///< of all that could be measured
+  std::string first_error;  ///< error of a frame, with frame and stage; empty if there was none
+  std::optional<RunMetrics> metrics;  ///< all metrics that could be measured
   std::vector<std::string> executed;  ///< stages that it ran itself
-  std::vector<StageTiming> timings;   ///< of these stages and of the source
+  std::vector<StageTiming> timings;   ///< times of these stages and of the source
   double seconds = 0.0;               ///< [s] its process took since its cell before
   std::string pipeline;               ///< the effective configuration, as YAML
   std::vector<std::pair<std::string, std::string>> pictures;  ///< of the worst frames, by file name
   host::NamedRecords shapes;  ///< template, and shape and truth of some of the frames
 };
 
-/// Told what comes out of a group, from the thread that runs it.
+/// Receives the results of a group, from the thread that runs it.
 class GroupObserver {
  public:
   virtual ~GroupObserver() = default;
-  /// A cell is about to use time of its own.
+  /// A cell is about to use time that it does not share.
   virtual void cell_works() {}
   /// `frames` is -1 when unknown.
   virtual void frame_done(std::int64_t done, std::int64_t frames) = 0;
@@ -52,7 +52,7 @@ class GroupObserver {
 /// was short, a file that is gone or was changed meanwhile, a library that cannot be loaded.
 ///
 /// A cell fails, and runs no further frame, when its stages have taken longer than the plan's
-/// deadline. What cells share counts for the first of them.
+/// deadline. Work that cells share counts for the first of them.
 Result<void> run_group(const Grid& grid, const std::vector<const Cell*>& cells,
                        GroupObserver& observer);
 

@@ -12,18 +12,18 @@
 
 namespace weft::lab {
 
-/// What is to be run, and where results go.
+/// The cells to run, and the destination of the results.
 struct Order {
   const Grid& grid;
   const ResultsFolder& folder;
-  std::vector<std::vector<const Cell*>> groups;  ///< of distinct keys, run in step
+  std::vector<std::vector<const Cell*>> groups;  ///< cells with distinct keys, run in step
   bool timed = false;                            ///< each group is one cell, and its times are kept
 };
 
 /// Runs cells somewhere; every result goes into the folder.
 class Engine {
  public:
-  /// Told the share of the cells that is done, 0 to 1.
+  /// Receives the share of the cells that is done, 0 to 1.
   using Progress = std::function<void(double share)>;
 
   virtual ~Engine() = default;

@@ -15,11 +15,11 @@ struct ValueProgress {
   std::size_t cells = 0, finished = 0;  ///< done or failed
 };
 
-/// What a results folder holds, in bytes.
+/// Size of a results folder, in bytes.
 double bytes_in(const std::string& folder);
 
-/// What the cells that have no result will take, if they are like those that have one: a mean over
-/// keys, since cells share stages as they come.
+/// Forecast for the cells without a result, if they are like those that have one: a mean over keys,
+/// since cells share stages as they come.
 struct Forecast {
   std::vector<std::pair<std::string, std::vector<ValueProgress>>> axes;  ///< and "data", last
   std::size_t missing = 0;         ///< keys without a result, damaged ones counted

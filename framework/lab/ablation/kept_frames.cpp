@@ -26,7 +26,7 @@ RecordPtr thinned(const Record& ground_truth) {
   const std::int64_t count = step > 0 ? (whole->count() + step - 1) / step : 0;
   GroundTruth part;
   part.kind = whole->kind;
-  part.apart = whole->apart;
+  part.exclusion = whole->exclusion;
   part.template_xy_m = Array<double>({count, 2});
   part.points_m = Array<double>({count, 3});
   for (std::int64_t i = 0; i < count; ++i) {

@@ -13,7 +13,7 @@ inline constexpr std::int64_t kMostKeptPoints = 120;
 /// The template without its texture, which is as large as everything else together.
 host::RecordPtr without_texture(const host::Record& templ);
 
-/// Every so many points of the truth, without images and surface.
+/// A regular subset of the points of the truth, without images and surface.
 host::RecordPtr thinned(const host::Record& ground_truth);
 
 /// Shapes and truths of frames spread evenly over a run whose length need not be known: where there
@@ -28,7 +28,7 @@ class KeptFrames {
 
  private:
   struct Frame {
-    std::uint64_t index;
+    std::uint64_t index;  ///< [] index of the frame
     host::RecordPtr shape, truth;
   };
   std::uint64_t stride_ = 1;

@@ -15,7 +15,7 @@
 namespace weft::lab {
 namespace {
 
-/// Keeps results and tells the parent how far it is.
+/// Keeps results and reports its progress to the parent.
 class Reporter final : public GroupObserver {
  public:
   Reporter(const Order& order, int pipe) : order_(order), pipe_(pipe) {}
@@ -45,7 +45,7 @@ class Reporter final : public GroupObserver {
   void say(std::string text) const {
     std::replace(text.begin(), text.end(), '\n', ' ');
     text += '\n';
-    // Without a listener there is nothing to be said, and this process is about to end.
+    // Without a listener there is nothing to report, and this process is about to end.
     static_cast<void>(!write(pipe_, text.data(), text.size()));
   }
 
@@ -55,7 +55,7 @@ class Reporter final : public GroupObserver {
   std::optional<LineWriter> lines_;
 };
 
-/// What happened is said, and not left to the exit code, which components may choose too.
+/// Reports the outcome instead of using the exit code, which components may set too.
 void run_cells(const Order& order, const std::vector<const Cell*>& cells, int pipe) {
   Reporter reporter(order, pipe);
   Result<void> done;

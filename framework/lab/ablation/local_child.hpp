@@ -12,23 +12,23 @@
 
 namespace weft::lab {
 
-/// Starts a process that runs these cells and writes their results; it dies with this one, and all
-/// that components start with it (process/supervisor.hpp). What components and libraries print goes
-/// into the log of the results folder.
+/// Starts a process that runs these cells and writes their results. It dies with this one, together
+/// with all processes that components start (process/supervisor.hpp). The output of components and
+/// libraries goes into the log of the results folder.
 ///
 /// The process is a fork, so that the plan need not be read again: this one has loaded no plugin
 /// and must have no threads.
 Result<std::unique_ptr<process::Child>> start_child(const Order& order,
                                                     const std::vector<const Cell*>& cells);
 
-/// Whether a child ended by a fault of its own, such as an exit or a signal that a program sends
-/// itself by a mistake; any other signal comes from outside.
+/// True if a child ended by its own fault, such as an exit or a signal that a program sends itself
+/// after an error. Any other signal comes from outside.
 bool is_own_fault(const process::Ending& ending);
 std::string how_it_ended(const process::Ending& ending);
 
-/// What a child says.
+/// A message of a child.
 struct ChildMessage {
-  std::optional<double> share;                              ///< of its frames that are done
+  std::optional<double> share;                              ///< share of its frames that are done
   std::string error;                                        ///< why results could not be kept
   std::optional<std::pair<std::string, std::string>> left;  ///< a cell without a result, and why
   bool no_memory = false;                                   ///< this program had not enough of it

@@ -20,7 +20,7 @@ namespace {
 using Cells = std::vector<const Cell*>;
 using Clock = std::chrono::steady_clock;
 
-constexpr int kMostKills = 3;  ///< of one task, before it is left
+constexpr int kMostKills = 3;  ///< kills of one task, before it is left
 constexpr int kPause_ms = 200, kPauseAtEnd_ms = 2;
 
 /// Cells that one process is to run.
@@ -33,13 +33,13 @@ struct Task {
 struct Child {
   std::unique_ptr<process::Child> process;
   Task task;
-  double share = 0.0;                       ///< of its frames
+  double share = 0.0;                       ///< share of its frames
   std::string error;                        ///< why it gave up
   std::map<std::string, std::string> left;  ///< why cells have no result, by key
   bool no_memory = false;
   bool done = false;      ///< it has kept all results
-  double silent_s = 0.0;  ///< since it said something
-  bool ended = false;     ///< by this program, for it said nothing until its deadline
+  double silent_s = 0.0;  ///< since its last message
+  bool ended = false;     ///< by this program, as it sent no message until its deadline
 };
 
 class LocalRun {
@@ -81,7 +81,7 @@ class LocalRun {
     return {};
   }
 
-  /// Waits for what the children say, or for a moment.
+  /// Waits for messages of the children, or for a moment.
   Result<void> listen() {
     std::vector<pollfd> pipes;
     bool is_one_ending = false;
@@ -97,7 +97,8 @@ class LocalRun {
     return done;
   }
 
-  /// A process has ended when it has, whoever holds its pipe, and not when it closes the pipe.
+  /// A process has ended when it exits, even if others hold its pipe, and not when it closes the
+  /// pipe.
   Result<void> hear_all() {
     for (auto child = children_.begin(); child != children_.end();) {
       const bool ended = child->process->ending().has_value();
@@ -114,7 +115,7 @@ class LocalRun {
   }
 
   /// Ends processes in which a cell works past its deadline. A pause of this program, which its
-  /// children share where somebody stops them all, counts for a moment only.
+  /// children share if all are stopped at once, counts for a moment only.
   void end_silent(Clock::duration waited) {
     const double deadline_s = order_.grid.plan().measurement.deadline_s;
     const std::chrono::duration<double> longest = std::chrono::milliseconds(2 * kPause_ms);
@@ -211,7 +212,7 @@ class LocalRun {
     return order_.folder.keep(cell, result, order_.timed, order_.grid.plan().measurement, *lines_);
   }
 
-  /// Whatever killed it says nothing about the cells, unless they want more memory than there is.
+  /// The cause of death is unrelated to the cells, unless they want more memory than there is.
   Result<void> try_again(Task task, const std::string& how) {
     if (++task.kills < kMostKills) {
       tasks_.push_front(std::move(task));
@@ -244,7 +245,7 @@ class LocalRun {
   int jobs_;
   std::deque<Task> tasks_;
   std::list<Child> children_;
-  std::optional<LineWriter> lines_;  ///< of cells that died, from the first one on
+  std::optional<LineWriter> lines_;  ///< lines of cells that died, from the first one on
   std::vector<std::string> left_;
   std::size_t cells_ = 0;
   double done_ = 0.0;  ///< [cells]

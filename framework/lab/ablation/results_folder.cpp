@@ -108,7 +108,7 @@ LineWriter::~LineWriter() {
 Result<void> LineWriter::append(const std::string& line) {
   const std::string text = line + "\n";
   std::size_t done = 0;
-  while (done < text.size()) {  // only a further write says why one was short
+  while (done < text.size()) {  // only a further write reports why one was short
     const ssize_t written = write(descriptor_, text.data() + done, text.size() - done);
     if (written <= 0) break;
     done += static_cast<std::size_t>(written);
@@ -192,7 +192,7 @@ Result<void> ResultsFolder::describe(const Grid& grid, const std::string& comman
 
 Result<void> ResultsFolder::withdraw(const std::vector<Damage>& lines) const {
   if (lines.empty()) return {};
-  // What is withdrawn is on the disk: another line at its place would be withdrawn with it.
+  // The withdrawn line is on the disk: another line at its place would be withdrawn with it.
   for (const Damage& line : lines) {
     if (auto lasting = make_last(path_ + "/results/" + line.file); !lasting) return lasting;
   }

@@ -30,7 +30,7 @@ class LineWriter {
   std::int64_t size_ = 0;  ///< [bytes] of whole lines
 };
 
-/// Who writes into a results folder that others write into at the same time.
+/// A writer of a results folder that others write into at the same time.
 struct SharedWriter {
   std::string name;  ///< that no other writer has; of the files of lines
   std::string work;  ///< a folder in the results folder for files that are not whole yet
@@ -55,8 +55,8 @@ class ResultsFolder {
   ~ResultsFolder();
 
   const std::string& path() const { return path_; }
-  /// What was missing or damaged when the folder was opened and describe() writes anew: a sentence
-  /// for each file.
+  /// Files that were missing or damaged when the folder was opened and that describe() writes anew:
+  /// a sentence for each.
   const std::vector<std::string>& rebuilt() const { return rebuilt_; }
   /// Where components print.
   std::string log_file() const;
@@ -67,7 +67,7 @@ class ResultsFolder {
   /// Takes results back: their lines count no more, for any reader, and their cells have none.
   Result<void> withdraw(const std::vector<Damage>& lines) const;
 
-  /// A new file of lines; those of a timing pass stand before the others by name.
+  /// A new file of lines; those of a timing pass precede the others by name.
   Result<LineWriter> writer(bool timed) const;
 
   /// Writes what belongs to a cell, then its line.

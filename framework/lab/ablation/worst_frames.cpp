@@ -40,12 +40,12 @@ class Scratch {
 };
 
 /// The sink, prepared and open: its stills go into `folder`/worst.
-Result<host::Instance*> open_sink(const host::ComponentSpec& spec, host::Lane& lane,
+Result<host::Instance*> open_sink(const host::ComponentSpec& spec, host::ExecutionContext& context,
                                   const host::RecordPtr& templ, const host::RecordPtr& camera) {
-  auto sink = lane.instantiate(spec, "sinks");
+  auto sink = context.instantiate(spec, "sinks");
   if (!sink) return sink;
-  if (auto ready = lane.prepare(**sink, *templ, *camera); !ready) return ready.error();
-  const host::Outcome opened = lane.call(**sink, kOpenSink, {}, host::kOfflineFrame);
+  if (auto ready = context.prepare(**sink, *templ, *camera); !ready) return ready.error();
+  const host::Outcome opened = context.call(**sink, kOpenSink, {}, host::kOfflineFrame);
   if (!opened.usable()) return opened.error;
   return sink;
 }
@@ -76,28 +76,28 @@ void WorstFrames::add(const FrameMetrics& frame, host::NamedRecords records) {
 }
 
 std::vector<std::pair<std::string, std::string>> WorstFrames::draw(
-    const std::string& sink_text, const host::Registry& registry, host::Lane& lane,
+    const std::string& sink_text, const host::Registry& registry, host::ExecutionContext& context,
     const host::RecordPtr& templ, const host::RecordPtr& camera) const {
   std::vector<std::pair<std::string, std::string>> pictures;
   const Scratch scratch;
   if (frames_.empty() || scratch.path().empty()) return pictures;
   const auto spec = resolve_sink(sink_text, registry, scratch.path());
   if (!spec) return pictures;
-  const auto sink = open_sink(*spec, lane, templ, camera);
+  const auto sink = open_sink(*spec, context, templ, camera);
   if (!sink) return pictures;
   for (const Frame& frame : frames_) {
     std::vector<weft_record> inputs{templ->view("template"), camera->view("camera")};
     for (const auto& [slot, record] : frame.records) {
       if (record != nullptr) inputs.push_back(record->view(slot.c_str()));
     }
-    lane.call(**sink, kWriteFrame, inputs, frame.index);
+    context.call(**sink, kWriteFrame, inputs, frame.index);
     const std::string name = fmt::format("{:06}.png", frame.index);
     std::ifstream stream(scratch.path() + "/worst/" + name, std::ios::binary);
     if (stream)
       pictures.emplace_back("worst_" + name,
                             std::string(std::istreambuf_iterator<char>(stream), {}));
   }
-  lane.call(**sink, kFinishSink, {}, host::kOfflineFrame);
+  context.call(**sink, kFinishSink, {}, host::kOfflineFrame);
   return pictures;
 }
 

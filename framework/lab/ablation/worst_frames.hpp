@@ -5,31 +5,31 @@
 #include <utility>
 #include <vector>
 
-#include "host/calling/lane.hpp"
+#include "host/calling/execution_context.hpp"
 #include "host/loading/registry.hpp"
 #include "host/records/npz.hpp"
 #include "lab/metrics/frame_metrics.hpp"
 
 namespace weft::lab {
 
-/// The frames of a run with the largest errors, and what a picture of them needs.
+/// The frames of a run with the largest errors, and the data to render them.
 class WorstFrames {
  public:
-  /// `records` are a frame's image, shape and matches, by the slots of a sink; without an image, or
-  /// an error, the frame is left out.
+  /// `records` are a frame's image, shape and matches, by the slots of a sink; a frame without an
+  /// image, or without an error, is omitted.
   void add(const FrameMetrics& frame, host::NamedRecords records);
 
   /// File names and contents of pictures, drawn by the sink (see Helpers); none where there is no
   /// such sink or it cannot draw them.
   std::vector<std::pair<std::string, std::string>> draw(const std::string& sink,
                                                         const host::Registry& registry,
-                                                        host::Lane& lane,
+                                                        host::ExecutionContext& context,
                                                         const host::RecordPtr& templ,
                                                         const host::RecordPtr& camera) const;
 
  private:
   struct Frame {
-    std::uint64_t index;
+    std::uint64_t index;  ///< [] index of the frame
     double error_mm;
     host::NamedRecords records;
   };

@@ -56,7 +56,7 @@ Result<void> load_all(const PipelineConfig& config) {
   return {};
 }
 
-/// Reads and runs the frames; the samples are of those that count, with the source's first.
+/// Reads and runs the frames; the samples are those of frames that count, with the source's first.
 Result<std::vector<Sample>> run_frames(FrameLoop& loop, const Settings& settings,
                                        const std::atomic<bool>& cancel) {
   std::vector<Sample> samples;
@@ -97,10 +97,10 @@ Result<Counts> count_here(const CheckedPipeline& pipeline, const Settings& setti
   if (auto loaded = load_all(pipeline.config); !loaded) return loaded.error();
   forget_peak();
   counts.loaded_kib = status_kib("VmRSS");
-  auto lane = lane_of(pipeline.config, {});
-  if (!lane) return lane.error();
-  (*lane)->watch([&cancel] { return cancel.load(); });
-  auto loop = FrameLoop::open(pipeline, **lane);
+  auto context = context_of(pipeline.config, {});
+  if (!context) return context.error();
+  (*context)->cancellation().watch([&cancel] { return cancel.load(); });
+  auto loop = FrameLoop::open(pipeline, **context);
   if (!loop) return loop.error();
   if (auto opened = (*loop)->open_sinks(); !opened) return opened.error();
   auto samples = run_frames(**loop, settings, cancel);

@@ -10,18 +10,18 @@
 
 namespace weft::bench {
 
-/// What one part asked of the allocator, in each frame that counts and in which it was not skipped.
+/// Allocations of one part, in each frame that counts and in which it was not skipped.
 struct PartCount {
-  std::string name;  ///< the source's too, host and frame as in figures.hpp
-  std::vector<double> blocks, bytes;
+  std::string name;                   ///< the source's too, host and frame as in figures.hpp
+  std::vector<double> blocks, bytes;  ///< [frames] allocations; [frames] bytes
 };
 
-/// What a process that did nothing else but run a pipeline needed.
+/// Resources of a process that did nothing else but run a pipeline.
 struct Counts {
-  bool allocations = false;  ///< whether they were counted; `parts` is empty otherwise
-  std::vector<PartCount> parts;
-  double loaded_kib = 0.0;  ///< with the libraries loaded, before anything was made
-  double peak_kib = 0.0;    ///< at most, from then on until the last frame
+  bool allocations = false;      ///< whether they were counted; `parts` is empty otherwise
+  std::vector<PartCount> parts;  ///< [.] one per part of a frame
+  double loaded_kib = 0.0;       ///< with the libraries loaded, before anything was made
+  double peak_kib = 0.0;         ///< at most, from then on until the last frame
 };
 
 /// Runs `settings.all_frames()` frames, one after the other as `weft run` does, and counts. To be

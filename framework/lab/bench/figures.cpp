@@ -68,7 +68,7 @@ Ratio ratio_of(const Part& part, const Part& over, Time time) {
   for (const PartSample& sample : part.samples) {
     const auto other = others.find({sample.repetition, sample.frame});
     const double own = time_of(sample.took, time);
-    // A clock that did not move says nothing of a ratio.
+    // A clock that did not move gives no ratio.
     if (other == others.end() || !(other->second > 0.0) || !(own > 0.0)) continue;
     by_turn[sample.turn].push_back(std::log(own / other->second));
     ++ratio.pairs;

@@ -16,27 +16,27 @@ using lab::kUnknown;
 
 /// Order statistics, interpolated linearly at rank p/100 (n - 1); unknown for n = 0.
 struct Spread {
-  std::int64_t n = 0;
-  double median = kUnknown, p95 = kUnknown, p99 = kUnknown;
+  std::int64_t n = 0;                                        ///< [] sample size
+  double median = kUnknown, p95 = kUnknown, p99 = kUnknown;  ///< unit of the sample
 };
 Spread spread_of(std::span<const double> values);
 
-/// What a part took in a frame.
+/// Cost of a part in a frame.
 struct PartSample {
-  std::int64_t turn = 0;
-  int repetition = 0;
-  std::int64_t frame = 0;
+  std::int64_t turn = 0;   ///< see Turn::number
+  int repetition = 0;      ///< [] index from 0
+  std::int64_t frame = 0;  ///< [] index of the frame
   host::Spent took;
 };
 
 /// A part of a frame in all frames that count and in which it was not skipped.
 struct Part {
-  std::string name;  ///< of a stage or sink, or kHost or kFrame
-  std::vector<PartSample> samples;
+  std::string name;                    ///< of a stage or sink, or kHost or kFrame
+  std::vector<PartSample> samples;     ///< [.] one per frame
   std::vector<std::int64_t> statuses;  ///< [5] frames, by StageStatus
 };
 
-/// What is in a frame and in none of its stages: the host's own work.
+/// Cost of a frame that is in none of its stages: the host's own work.
 inline constexpr const char* kHost = "host";
 /// Stages, sinks and host together; without the source.
 inline constexpr const char* kFrame = "frame";
@@ -51,10 +51,10 @@ enum class Time { wall, processor };
 /// How many times as long one takes as another: the geometric mean over the turns of the geometric
 /// means of each turn, of frames that both have run in the same repetition.
 struct Ratio {
-  double ratio = kUnknown;
-  Interval interval;       ///< 95 %, bootstrap over the turns; unknown for fewer than 6
-  std::int64_t pairs = 0;  ///< [] frames
-  std::int64_t turns = 0;
+  double ratio = kUnknown;  ///< [] geometric mean
+  Interval interval;        ///< 95 %, bootstrap over the turns; unknown for fewer than 6
+  std::int64_t pairs = 0;   ///< [] frames
+  std::int64_t turns = 0;   ///< [] number of turns
 };
 Ratio ratio_of(const Part& part, const Part& over, Time time);
 

@@ -14,9 +14,9 @@ namespace {
 
 constexpr int kTries = 5;
 constexpr double kTry_ms = 10.0;
-constexpr std::size_t kMemoryBlock_bytes = std::size_t{128} << 20U;  // of source and of target
+constexpr std::size_t kMemoryBlock_bytes = std::size_t{128} << 20U;  // size of source and of target
 
-/// Tells the compiler that somebody reads what is there.
+/// Keeps the compiler from removing the writes to this memory.
 void keep(const void* address) { asm volatile("" : : "g"(address) : "memory"); }
 
 /// The most times a second that `work` was done.

@@ -11,13 +11,13 @@
 
 namespace weft::bench {
 
-/// What a part of a pipeline came to in a frame.
+/// Cost of a part of a pipeline in a frame.
 struct PartSpent {
   StageStatus status = StageStatus::ok;
   host::Spent took;
 };
 
-/// What a frame took; that of the source, which had read it before, is not in it.
+/// Cost of a frame, without that of the source, which had read it before.
 struct FrameSpent {
   host::Spent whole;
   std::vector<PartSpent> parts;  ///< one for each of Subject::parts()
@@ -29,11 +29,11 @@ struct Overlapped {
   struct Passage {
     double entered_ms = 0.0, left_ms = 0.0;  ///< [] ms since the sequence began
   };
-  std::vector<Passage> frames;
-  host::Spent whole;  ///< by all frames together
+  std::vector<Passage> frames;  ///< [.] one per frame
+  host::Spent whole;            ///< by all frames together
 };
 
-/// What is measured: something that runs frames it has at hand.
+/// The subject of a measurement: something that runs frames it has at hand.
 class Subject {
  public:
   virtual ~Subject() = default;
@@ -51,18 +51,18 @@ class Subject {
   virtual Result<Overlapped> run_overlapping(std::int64_t frames) = 0;
 };
 
-/// What a frame came to that took `here` of this process; what workers did for it is added.
+/// Cost of a frame that took `here` of this process; the work of workers for it is added.
 FrameSpent spent_in(const FrameResult& result, host::Spent here);
 
 /// A frame that counts.
 struct Sample {
-  std::int64_t turn = 0;  ///< see Turn::number
-  int repetition = 0;
+  std::int64_t turn = 0;   ///< see Turn::number
+  int repetition = 0;      ///< [] index from 0
   std::int64_t frame = 0;  ///< [] index from 0 of the source
   FrameSpent spent;
 };
 
-/// Told after each turn how many of all are done.
+/// Receives after each turn how many of all are done.
 using Progress = std::function<void(std::size_t done, std::size_t turns)>;
 
 /// Runs the turns; the samples of each subject in the order of its frames. Ends with the first

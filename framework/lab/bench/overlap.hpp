@@ -13,13 +13,14 @@ Result<std::vector<std::vector<Overlapped>>> measure_overlap(const Settings& set
                                                              std::span<Subject* const> subjects,
                                                              const Progress& progress);
 
-/// What comes of frames that overlap.
+/// Results of frames that overlap.
 struct OverlapFigures {
   int frames_at_once = 1, threads = 1;  ///< of the pipeline; threads that work on frames
   std::vector<double> frames_per_s;     ///< one a repetition: from the last frame that warms up on
   Spread frames_per_s_spread;
-  Spread latency_ms;  ///< of a frame, from when it enters until its last step, warm-up left out
-  double cores = kUnknown;  ///< processor time over time on the wall
+  Spread
+      latency_ms;  ///< latency of a frame, from when it enters until its last step, without warm-up
+  double cores = kUnknown;  ///< CPU time over wall-clock time
 };
 OverlapFigures figures_of(const std::vector<Overlapped>& repetitions, std::int64_t warmup);
 

@@ -90,16 +90,16 @@ Result<std::unique_ptr<PipelineSubject>> PipelineSubject::open(CheckedPipeline p
 
 PipelineSubject::~PipelineSubject() {
   if (loop_ == nullptr) return;
-  lane_->watch(nullptr);
+  context_->cancellation().watch(nullptr);
   static_cast<void>(loop_->close_sinks());  // what they wrote is not kept
 }
 
 Result<void> PipelineSubject::open_all(std::int64_t frames) {
-  auto lane = lane_of(pipeline_.config, {});
-  if (!lane) return lane.error();
-  lane_ = *std::move(lane);
-  lane_->watch([this] { return cancel_.load(); });
-  auto loop = FrameLoop::open(pipeline_, *lane_);
+  auto context = context_of(pipeline_.config, {});
+  if (!context) return context.error();
+  context_ = *std::move(context);
+  context_->cancellation().watch([this] { return cancel_.load(); });
+  auto loop = FrameLoop::open(pipeline_, *context_);
   if (!loop) return loop.error();
   loop_ = *std::move(loop);
   if (auto opened = loop_->open_sinks(); !opened) return opened;
@@ -177,7 +177,7 @@ Result<Overlapped> PipelineSubject::run_overlapping(std::int64_t frames) {
       return not_there;
     }
     if (steps[step].kind != Kind::file) return passed;
-    lane_->take_timings(frame->result.index);
+    context_->times().take(frame->result.index);
     for (const StageReport& report : frame->result.stages) {
       workers_ms += report.worker_processor_ms;
     }

@@ -13,7 +13,7 @@ namespace weft::bench {
 /// [bytes] of the records that a stage reads and makes in a frame; those that it has from its
 /// set-up, template and camera, are not among them, and what it hands on unchanged is not made.
 struct Moved {
-  std::uint64_t in = 0, out = 0;
+  std::uint64_t in = 0, out = 0;  ///< [bytes] read; made
 };
 Moved moved_by(const Node& node, const Graph& graph, const FrameResult& frame);
 
@@ -37,13 +37,13 @@ class PipelineSubject final : public Subject {
 
   /// Ids of the components of the parts; a part with one of its own for the template has that too.
   std::vector<std::string> components() const;
-  /// What the source took for each frame.
+  /// Cost of the source for each frame.
   const std::vector<StageReport>& reading() const { return reading_; }
   const PipelineConfig& config() const { return pipeline_.config; }
   /// [bytes] of all runs of each part, and the runs in which it was not skipped.
   struct MovedInAll {
     Moved bytes;
-    std::int64_t runs = 0;
+    std::int64_t runs = 0;  ///< [] number of runs
   };
   const std::vector<MovedInAll>& moved() const { return moved_; }
   /// Frames by the state of their shape: "estimated", warm-up included.
@@ -58,7 +58,7 @@ class PipelineSubject final : public Subject {
 
   CheckedPipeline pipeline_;
   const std::atomic<bool>& cancel_;
-  std::unique_ptr<host::Lane> lane_;
+  std::unique_ptr<host::ExecutionContext> context_;
   std::unique_ptr<FrameLoop> loop_;
   std::vector<PipelineInput::Frame> frames_;
   std::vector<StageReport> reading_;

@@ -14,11 +14,11 @@
 
 namespace weft::bench {
 
-/// A pipeline as it was asked for.
+/// A pipeline with its settings.
 struct Entry {
   std::string name;  ///< in tables and ratios
   std::string file;
-  std::vector<std::string> settings;
+  std::vector<std::string> settings;  ///< [.] "PATH=VALUE"
 };
 
 /// The stems of the files; what a name was given to before gets "#2", "#3" behind it.
@@ -29,7 +29,7 @@ struct Row {
   std::string part, component;
   std::map<std::string, std::int64_t> statuses;  ///< frames; of stages and sinks alone
   Spread ms, processor_ms;
-  std::optional<Spread> blocks, bytes;  ///< asked of the allocator; absent where not counted
+  std::optional<Spread> blocks, bytes;  ///< allocations; absent where not counted
   std::optional<Moved> moved;           ///< [bytes] of records, mean of the frames; of stages alone
   double floor_ms = kUnknown;           ///< [] for moving those once, at the speed of memory
 };
@@ -37,11 +37,11 @@ struct Row {
 struct PipelineReport {
   Entry entry;
   std::map<std::string, std::int64_t> states;  ///< of the shapes, warm-up included
-  std::vector<Row> rows;
-  std::vector<Part> parts;  ///< what the rows are of, but for the source
+  std::vector<Row> rows;                       ///< [.] rows of the table
+  std::vector<Part> parts;                     ///< what the rows are of, but for the source
   std::optional<Counts> counts;
   std::string why_no_counts;                ///< empty when there are
-  std::optional<OverlapFigures> overlap{};  ///< where it was asked for
+  std::optional<OverlapFigures> overlap{};  ///< present on request
 };
 
 /// How one pipeline's part compares with another one's.
@@ -55,12 +55,12 @@ struct Report {
   std::string command, processor;
   MachineSpeed speed;
   std::string baseline;  ///< whose times are 1; empty when there is one pipeline alone
-  std::vector<PipelineReport> pipelines;
-  std::vector<RatioReport> ratios;
+  std::vector<PipelineReport> pipelines;  ///< [.] in the given order
+  std::vector<RatioReport> ratios;        ///< [.] ratios of two pipelines
 };
 
-/// The median of a row's processor time as a multiple of its floor, which is of one thread too;
-/// time on the wall would have the work of others in it. Unknown where there is no floor.
+/// The median of a row's CPU time as a multiple of its floor, which is that of one thread too;
+/// wall-clock time would include the work of others. Unknown where there is no floor.
 double times_floor(const Row& row);
 
 /// The rows of a pipeline. `counts` fails where they could not be had.

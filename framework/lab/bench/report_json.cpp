@@ -73,7 +73,7 @@ ordered_json overlap_of(const std::optional<OverlapFigures>& overlap) {
           {"cores", number(overlap->cores)}};
 }
 
-/// The whole frames one by one, for those who want other statistics.
+/// The whole frames one by one, for other statistics.
 ordered_json samples_of(const PipelineReport& pipeline) {
   ordered_json all = ordered_json::array();
   for (const Part& part : pipeline.parts) {

@@ -14,15 +14,15 @@ struct Settings {
   std::int64_t block = 5;    ///< [frames] a pipeline runs before it is the next one's turn
 
   std::int64_t all_frames() const { return warmup + frames; }
-  /// Of each pipeline.
+  /// Number of turns of each pipeline.
   std::int64_t turns() const { return repetitions * ((frames + block - 1) / block); }
 };
 
 /// Frames that one pipeline runs at a stretch.
 struct Turn {
-  std::int64_t number = 0;  ///< the turns that belong together, one a pipeline, have the same
-  int repetition = 0;
-  std::size_t pipeline = 0;
+  std::int64_t number = 0;   ///< the turns that belong together, one a pipeline, have the same
+  int repetition = 0;        ///< [] index from 0
+  std::size_t pipeline = 0;  ///< [] index of the pipeline
   std::int64_t first = 0, end = 0;  ///< [] frames [first, end); those below `warmup` do not count
 };
 

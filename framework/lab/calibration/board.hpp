@@ -18,7 +18,7 @@ struct Board {
   int columns = 7, rows = 5;  ///< squares, or circles in a row and rows
   double square_m = 0.03;     ///< side of a square, as printed; of circles, from row to row
   Pattern pattern = Pattern::charuco;
-  std::string dictionary = "4x4_250";  ///< of ChArUco's markers
+  std::string dictionary = "4x4_250";  ///< dictionary of ChArUco's markers
   double marker_share = kMarkerShare;  ///< the same: side of a marker, of that of its square
 
   double width_m() const { return columns * square_m; }

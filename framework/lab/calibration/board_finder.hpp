@@ -16,7 +16,7 @@ class BoardFinder {
   explicit BoardFinder(const Board& board);
 
   /// The corners that a grey image shows. Errc::no_result, with the reason, where these are too few
-  /// to say where the board is.
+  /// to locate the board.
   Result<View> find(const cv::Mat& grey, const std::string& name) const;
 
  private:

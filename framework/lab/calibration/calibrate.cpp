@@ -13,8 +13,8 @@ namespace {
 constexpr double kOdd = 3.0, kOdd_px = 0.3;
 
 /// Moves the names of views that fit much worse than the others from `views` to `odd`.
-bool set_odd_views_apart(const Solution& solution, std::vector<View>& views,
-                         std::vector<std::string>& odd) {
+bool exclude_odd_views(const Solution& solution, std::vector<View>& views,
+                       std::vector<std::string>& odd) {
   std::vector<double> errors_px;
   for (const ViewError& error : solution.errors) errors_px.push_back(error.rms_px);
   const double most_px = std::max(kOdd_px, kOdd * median(errors_px));
@@ -45,8 +45,7 @@ Result<Calibration> calibrate(const std::vector<View>& views, const ImageSize& s
     auto solution = solve(calibration.views, size, coefficients);
     if (!solution) return solution.error();
     calibration.solution = *std::move(solution);
-    if (round > 0 ||
-        !set_odd_views_apart(calibration.solution, calibration.views, calibration.odd)) {
+    if (round > 0 || !exclude_odd_views(calibration.solution, calibration.views, calibration.odd)) {
       break;
     }
   }

@@ -17,7 +17,7 @@ inline constexpr std::size_t kMostViews = 40;
 struct Calibration {
   ImageSize size;
   std::vector<View> views;       ///< those that were used
-  std::vector<std::string> odd;  ///< names of views left out, as they do not fit the others
+  std::vector<std::string> odd;  ///< names of omitted views, which do not fit the others
   std::size_t found = 0;         ///< views that were there to be chosen from
   Coverage coverage;
   Solution solution;

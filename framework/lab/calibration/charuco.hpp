@@ -9,14 +9,14 @@
 
 namespace weft::calibration {
 
-/// The board as OpenCV knows it, in metres, x right and y down from its top left corner.
+/// The board in OpenCV's representation, in metres, x right and y down from its top left corner.
 cv::Ptr<cv::aruco::CharucoBoard> make_charuco(const Board& board);
 
 /// A predefined dictionary of ArUco markers.
 struct Dictionary {
   std::string name;
-  int number = 0;  ///< that OpenCV gives it
-  int markers = 0;
+  int number = 0;   ///< that OpenCV gives it
+  int markers = 0;  ///< [] number of markers
 };
 const std::vector<Dictionary>& dictionaries();
 /// Null where none has this name.

@@ -26,7 +26,7 @@ struct Coverage {
   void add(const View& view, const ImageSize& size);
   /// Share of the cells that have a corner.
   double share() const;
-  /// What to show the camera next: "top right of the image: no corner yet". Empty when nothing is
+  /// Advice on the next view: "top right of the image: no corner yet". Empty when nothing is
   /// missing.
   std::vector<std::string> missing() const;
   /// The grid as text, a line a row: a dot where there is no corner.

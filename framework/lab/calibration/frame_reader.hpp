@@ -13,7 +13,7 @@ namespace weft::calibration {
 struct Frame {
   std::string name;
   cv::Mat grey;         ///< [H,W] u8, as the sensor stores it
-  int orientation = 1;  ///< of EXIF: how the image would be turned to be upright
+  int orientation = 1;  ///< orientation of EXIF: how the image would be turned to be upright
 };
 
 /// Frames in their order.

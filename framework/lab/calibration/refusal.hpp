@@ -12,7 +12,7 @@ namespace weft::calibration {
 
 inline constexpr std::size_t kFewestViews = 8;
 
-/// Why views cannot tell the camera, with what to do; nothing where they may.
+/// Why views cannot determine the camera, with what to do; nothing where they may.
 std::optional<std::string> refusal_of(const std::vector<View>& views, const ImageSize& size);
 
 /// Why a solution is not to be trusted, with what to do; nothing where it is.

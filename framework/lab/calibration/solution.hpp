@@ -9,7 +9,7 @@
 
 namespace weft::calibration {
 
-/// What is left of a view: seen minus projected.
+/// Residuals of a view: seen minus projected.
 struct ViewError {
   double rms_px = 0.0;
   Eigen::MatrixX2d residual_px;  ///< [C,2] px
@@ -22,8 +22,8 @@ struct Solution {
   /// [4 + D] standard deviations of fx, fy, cx, cy and the distortion, if the errors of corners are
   /// independent and of one size.
   Eigen::VectorXd deviation;
-  double rms_px = 0.0;                    ///< of the distances of all corners
-  std::vector<ViewError> errors;          ///< of the views, in their order
+  double rms_px = 0.0;                    ///< RMS of the distances of all corners
+  std::vector<ViewError> errors;          ///< errors of the views, in their order
   std::vector<Eigen::Vector2d> tilt_rad;  ///< the same, as in Placement
   /// Largest by smallest eigenvalue of the camera's normal matrix, poses eliminated, with a
   /// diagonal of ones.

@@ -9,7 +9,7 @@ namespace weft::calibration {
 
 /// The corners of the board that one image shows.
 struct View {
-  std::string name;           ///< of its image
+  std::string name;           ///< name of its image
   Eigen::MatrixX2d board_m;   ///< [C,2] m, x right and y down from the board's top left corner
   Eigen::MatrixX2d image_px;  ///< [C,2] px
 };

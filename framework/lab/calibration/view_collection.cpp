@@ -12,7 +12,7 @@ namespace {
 constexpr double kStill_px = 1.5, kNew = 0.3;
 
 /// Whether both show the same corners, at about the same places.
-bool stands_still(const View& before, const View& now) {
+bool is_motionless(const View& before, const View& now) {
   if (before.board_m.rows() != now.board_m.rows() || before.board_m != now.board_m) return false;
   return (before.image_px - now.image_px).rowwise().norm().maxCoeff() < kStill_px;
 }
@@ -63,7 +63,7 @@ Result<bool> ViewCollection::add_if_new(const Frame& frame) {
     before_.reset();
     return false;
   }
-  const bool still = before_ && stands_still(*before_, *view);
+  const bool still = before_ && is_motionless(*before_, *view);
   before_ = *view;
   if (!still) return false;
   const Placement now = placement_of(*view, size_);

@@ -26,8 +26,8 @@ class ViewCollection {
   /// Looks for the board. Errc::invalid_data for a frame of another size.
   Result<void> add(const Frame& frame);
 
-  /// The same for a camera that goes on giving frames: keeps a view only where the board stands
-  /// still since the frame before, and unlike all views that are kept. Says whether it was kept.
+  /// The same for a camera that goes on giving frames: keeps a view only if the board has not moved
+  /// since the frame before, and if it is unlike all views that are kept. True if it was kept.
   Result<bool> add_if_new(const Frame& frame);
 
   std::size_t frames() const { return frames_; }
@@ -50,7 +50,7 @@ class ViewCollection {
   std::vector<NoView> without_;
   std::size_t frames_without_ = 0;
   std::vector<cv::Mat> unexplained_;
-  std::optional<View> before_;  ///< of the last frame, where it had one
+  std::optional<View> before_;  ///< view of the last frame, where it had one
 };
 
 }  // namespace weft::calibration

@@ -9,7 +9,7 @@ namespace weft::cluster {
 struct ChunkSize {
   double minutes = 10.0;       ///< [min] that a task is to take
   double cell_seconds = 30.0;  ///< [s] that a cell takes
-  int processes = 1;           ///< of a task
+  int processes = 1;           ///< processes of a task
 };
 
 /// Cuts groups into chunks of about this size, in their order. A group stays whole where it is no

@@ -15,7 +15,7 @@ namespace weft::cluster {
 /// Claims save work; results do not depend on them: of a cell that was run twice one line counts.
 class Claims {
  public:
-  /// Of the tasks of a results folder; creates what is missing.
+  /// Claims of the tasks of a results folder; creates what is missing.
   static Result<Claims> open(const std::string& results);
 
   /// The task that has the cell now: `task`, or the one that was first.

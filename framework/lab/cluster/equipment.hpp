@@ -9,13 +9,13 @@
 
 namespace weft::cluster {
 
-/// What a machine must have in common with another for cells to have the same keys there.
+/// Properties that two machines must share for cells to have the same keys there.
 struct Equipment {
   std::string weft;                           ///< version
   std::vector<std::string> processor;         ///< features that count
   std::map<std::string, std::string> builds;  ///< build id of each component
 
-  /// Of this machine.
+  /// The properties of this machine.
   static Equipment here(const host::Registry& registry);
 
   /// How `other` differs, in words; empty where it has all that this one has.

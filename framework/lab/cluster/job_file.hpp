@@ -10,7 +10,7 @@ namespace weft::cluster {
 /// is called. Its name finds it where the number was lost.
 Result<void> write_job(const Submission& submission, const Job& job);
 
-/// Without a file, the job of an earlier version, which knew no other clusters.
+/// Without a file, the job of an earlier version, which did not support other clusters.
 Job read_job(const Submission& submission);
 
 /// Clusters that these options of sbatch, or else its environment, choose; empty where they do not.

@@ -40,7 +40,7 @@ class Look {
       }
       ++(found->second->running ? state_.running : state_.waiting);
       if (found->second->running) state_.processes += submission.processes;
-      if (!found->second->held.empty()) tell_of_held(*found->second);
+      if (!found->second->hold_reason.empty()) report_hold(*found->second);
       state_.on_their_way += open;
       note(chunk);
     }
@@ -53,8 +53,8 @@ class Look {
     for (const Group& group : chunk) explained_.insert(group.begin(), group.end());
   }
 
-  void tell_of_held(const QueuedTask& task) {
-    state_.reasons.push_back("Slurm holds task " + task.id + " back (" + task.held +
+  void report_hold(const QueuedTask& task) {
+    state_.reasons.push_back("Slurm holds task " + task.id + " back (" + task.hold_reason +
                              "); `scontrol release " + task.id +
                              "` lets it go, or end all with --cancel and run again");
   }

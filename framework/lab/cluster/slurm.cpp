@@ -48,7 +48,7 @@ std::string one_line(const std::string& text) {
 }
 
 /// Of the reason why a task waits: "JobHeldUser", "launch failed requeued held" and their like.
-bool is_held(const std::string& reason) {
+bool is_on_hold(const std::string& reason) {
   return reason.find("Held") != std::string::npos || reason.find("held") != std::string::npos;
 }
 
@@ -151,7 +151,7 @@ Result<std::vector<QueuedTask>> queued_tasks(const std::vector<std::string>& job
     const std::string reason = parts.size() > 4 ? parts[4] : "";
     tasks.push_back({parts[0], parts[1] + (is_one ? "_" + parts[2] : ""),
                      is_one ? std::stoi(parts[2]) : kAllTasks, !waits(parts[3]),
-                     is_held(reason) ? escaped(reason) : "", cluster});
+                     is_on_hold(reason) ? escaped(reason) : "", cluster});
   }
   return tasks;
 }

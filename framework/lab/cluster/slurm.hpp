@@ -5,16 +5,17 @@
 #include <vector>
 #include <weft/core/result.hpp>
 
-/// What is asked of Slurm, by its own programs. Errors say what it answered.
+/// Requests to Slurm, by its own programs. Errors contain its answers.
 namespace weft::cluster {
 
 /// A task of an array that Slurm has not done with: it waits, runs or is being ended.
 struct QueuedTask {
-  std::string job;           ///< name of its job
-  std::string id;            ///< "12_3": number of its array and its own
-  int task = 0;              ///< its own; kAllTasks where squeue has one line for several
-  bool running = false;      ///< else it waits
-  std::string held = {};     ///< why Slurm will not start it before somebody lets it go; else empty
+  std::string job;       ///< name of its job
+  std::string id;        ///< "12_3": number of its array and its own
+  int task = 0;          ///< its own; kAllTasks where squeue has one line for several
+  bool running = false;  ///< else it waits
+  std::string hold_reason =
+      {};                    ///< why Slurm will not start it before somebody lets it go; else empty
   std::string cluster = {};  ///< empty: the one that Slurm's programs talk to by themselves
 };
 constexpr int kAllTasks = -1;

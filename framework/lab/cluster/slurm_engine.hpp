@@ -17,7 +17,7 @@ struct SlurmOptions {
   std::vector<std::string> sbatch;     ///< further options of sbatch, such as "--mem=4G"
   double chunk_minutes = 10.0;         ///< [min] that a task is to take
   std::optional<double> cell_seconds;  ///< [s]; without it what earlier tasks took, or 30
-  int processes = 1;                   ///< of each task
+  int processes = 1;                   ///< processes of each task
 };
 
 /// Submits cells as arrays of tasks, and a job behind each array that sums up; returns as soon as

@@ -7,24 +7,24 @@
 
 #include "lab/cluster/equipment.hpp"
 
-/// What lies in the folder `slurm` of a results folder; docs/cluster.md describes it.
+/// Contents of the folder `slurm` of a results folder; docs/cluster.md describes it.
 namespace weft::cluster {
 
 /// Keys of cells that read the same frames and are run in step.
 using Group = std::vector<std::string>;
 
-/// What one task of an array runs.
+/// Work of one task of an array.
 using Chunk = std::vector<Group>;
 
 std::size_t cells_of(const Chunk& chunk);
 
 /// One call of sbatch for cells.
 struct Submission {
-  std::string folder;  ///< absolute
-  std::string number;  ///< "000001", the name of the folder
-  std::string job;     ///< name of its array, by which squeue knows it
-  std::vector<Chunk> tasks;
-  int processes = 1;  ///< of each task
+  std::string folder;        ///< absolute
+  std::string number;        ///< "000001", the name of the folder
+  std::string job;           ///< name of its array, by which squeue knows it
+  std::vector<Chunk> tasks;  ///< [.] tasks of the job array
+  int processes = 1;         ///< of each task
   Equipment equipment;
   std::string fault = {};  ///< why its order cannot be read: then it has no tasks; else empty
 
@@ -32,7 +32,7 @@ struct Submission {
   std::string report_of(int task) const;
 };
 
-/// What a task says when it ends.
+/// Report of a task when it ends.
 struct TaskReport {
   std::string machine;
   double seconds = 0.0;           ///< [s] that it took

@@ -39,14 +39,14 @@ Result<std::set<std::string>> finished_keys(const std::string& results, bool tim
 }
 
 /// Cells that a task holds, until its end.
-class Held {
+class OwnedClaims {
  public:
-  Held(const Claims& claims, std::string task) : claims_(claims), task_(std::move(task)) {}
-  ~Held() {
+  OwnedClaims(const Claims& claims, std::string task) : claims_(claims), task_(std::move(task)) {}
+  ~OwnedClaims() {
     for (const std::string& key : keys_) claims_.release(key, task_);
   }
-  Held(const Held&) = delete;
-  Held& operator=(const Held&) = delete;
+  OwnedClaims(const OwnedClaims&) = delete;
+  OwnedClaims& operator=(const OwnedClaims&) = delete;
 
   /// The task that has it, this one or another.
   Result<std::string> take(const std::string& key) {
@@ -83,13 +83,13 @@ class Task {
     const auto folder = lab::ResultsFolder::join(results, grid_.plan().name,
                                                  {id_.slurm, work, submission_.log_of(id_.task)});
     if (!folder) return folder.error();
-    Held held(*claims, id_.slurm);
-    auto groups = claim(held, report.left);
+    OwnedClaims owned(*claims, id_.slurm);
+    auto groups = claim(owned, report.left);
     if (!groups) return groups.error();
     auto finished = finished_keys(results, timed_);
     if (!finished) return finished.error();
     drop(*finished, *groups);
-    const std::size_t before = held.count(*finished);
+    const std::size_t before = owned.count(*finished);
     const lab::Order order{grid_, *folder, *std::move(groups), timed_};
     auto left = lab::local_engine(processes)->run(
         order, [](double) {}, cancel);
@@ -98,7 +98,7 @@ class Task {
     if (cancel) report.left.emplace_back("the task was ended from outside");
     finished = finished_keys(results, timed_);
     if (!finished) return finished.error();
-    report.cells = held.count(*finished) - before;
+    report.cells = owned.count(*finished) - before;
     std::error_code code;
     fs::remove_all(work, code);
     return {};
@@ -107,7 +107,7 @@ class Task {
  private:
   using Groups = std::vector<std::vector<const Cell*>>;
 
-  Result<Groups> claim(Held& held, std::vector<std::string>& left) const {
+  Result<Groups> claim(OwnedClaims& owned, std::vector<std::string>& left) const {
     Groups groups;
     std::size_t unknown = 0;
     std::map<std::string, std::size_t> of_others;  // by task
@@ -119,7 +119,7 @@ class Task {
           ++unknown;
           continue;
         }
-        const auto owner = held.take(key);
+        const auto owner = owned.take(key);
         if (!owner) return owner.error();
         if (*owner == id_.slurm) groups.back().push_back(known->second);
         if (*owner != id_.slurm) ++of_others[*owner];

@@ -25,7 +25,7 @@ Result<TaskId> task_id(const std::string& text);
 Result<TaskReport> run_task(const lab::Grid& grid, const std::string& results, const TaskId& id,
                             int processes, bool timed, const std::atomic<bool>& cancel);
 
-/// Says in place of a task that could not even begin why it did not.
+/// Reports why a task could not even begin, instead of the task.
 Result<void> report_failure(const std::string& results, const TaskId& id,
                             const std::string& reason);
 

@@ -26,10 +26,10 @@ inline constexpr double kWrongMm = 20.0;
 /// Vertices of a frame and how many of them are within their 95 % interval, 1.96 standard
 /// deviations to both sides.
 struct IntervalCounts {
-  std::int64_t vertices = 0, inside = 0;
+  std::int64_t vertices = 0, inside = 0;  ///< [] numbers of vertices
 };
 
-/// What a solved frame said of its own error, beside the truth.
+/// The error that a solved frame reported, beside the truth.
 struct FrameCertainty {
   double confidence = kUnknown;  ///< [] a frame without one is judged by its vertices alone
   double seen_mm = kUnknown;     ///< [] mm, mean error of the points that the camera sees, of all
@@ -51,7 +51,7 @@ struct FrameCertainty {
 };
 
 struct ConfidenceBin {
-  std::int64_t frames = 0;
+  std::int64_t frames = 0;      ///< [] frames in the bin
   double said = kUnknown;       ///< [] mean confidence
   double came_true = kUnknown;  ///< [] share of the frames that are right
 
@@ -70,8 +70,9 @@ struct CertaintyMetrics {
   std::int64_t silently_wrong = 0;       ///< [] of them
   double brier = kUnknown;               ///< [] mean (confidence - right)^2
   std::array<ConfidenceBin, 10> bins{};  ///< equal parts of [0, 1]
-  std::int64_t vertices = 0;
-  std::array<double, 3> within_percent{kUnknown, kUnknown, kUnknown};
+  std::int64_t vertices = 0;             ///< [] vertices with a standard deviation
+  std::array<double, 3> within_percent{kUnknown, kUnknown,
+                                       kUnknown};  ///< [3] within 1, 2, 3 standard deviations
   double in_interval_percent = kUnknown;  ///< [] mean over frames of what is in its 95 % interval
   double measured_in_interval_percent = kUnknown;  ///< [] the same of measured vertices
   double filled_in_interval_percent = kUnknown;    ///< [] and of those that the prior filled in

@@ -31,7 +31,7 @@ inline constexpr double kMmPerM = 1000.0;
 struct MetricField {
   const char* name;     ///< in files and paths; it ends in the unit: "mean_mm", "tpr_percent"
   const char* meaning;  ///< half a sentence
-  std::optional<Better> better = std::nullopt;
+  std::optional<Better> better = std::nullopt;  ///< direction of improvement, if any
   const char* column = nullptr;  ///< title in the tables of the program, which leave out the rest;
                                  ///< a struct with one, even empty, has its own columns in them
   int decimals = 2;              ///< of a number there

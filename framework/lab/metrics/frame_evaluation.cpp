@@ -132,7 +132,7 @@ FrameOutcome outcome_of(const FrameRecords& records) {
     return FrameOutcome::invalid;
   const ShapeState state = records.shape->shape_state();
   const bool solved = state == ShapeState::estimated || state == ShapeState::weak;
-  return solved ? FrameOutcome::solved : FrameOutcome::held;
+  return solved ? FrameOutcome::solved : FrameOutcome::carried_over;
 }
 
 /// Compares a finite shape with the truth.
@@ -239,7 +239,7 @@ Result<FrameMetrics> evaluate_frame(const RunReader& reader, const ShapeMeter& m
   frame.has_truth = records.ground_truth.has_value();
   if (frame.has_truth) {
     frame.kind = records.ground_truth->kind;
-    frame.apart = records.ground_truth->apart;
+    frame.exclusion = records.ground_truth->exclusion;
     frame.points = records.ground_truth->count();
     const auto done = measure_image(reader, records, options.match_tolerance_px, frame);
     if (!done) return done.error();

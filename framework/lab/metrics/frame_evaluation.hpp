@@ -7,7 +7,7 @@
 
 namespace weft::lab {
 
-/// All that can be said of one frame by itself.
+/// All metrics of one frame by itself.
 Result<FrameMetrics> evaluate_frame(const RunReader& reader, const ShapeMeter& meter,
                                     const FrameLine& line, const FrameRecords& records,
                                     const EvaluationOptions& options);

@@ -22,9 +22,10 @@ namespace weft::lab {
 /// A frame is off when its mean error exceeds this share of the template's diagonal.
 inline constexpr double kOffShare = 0.1;
 
-/// What a frame came to: `solved` is estimated or weak, `held` predicted or lost (an old shape),
-/// `missing` without a shape, `invalid` with a shape that is not finite, whatever its state.
-enum class FrameOutcome { solved, held, missing, invalid };
+/// What a frame came to: `solved` is estimated or weak, `carried_over` predicted or lost (an old
+/// shape), `missing` without a shape, `invalid` with a shape that is not finite, whatever its
+/// state.
+enum class FrameOutcome { solved, carried_over, missing, invalid };
 
 const char* to_string(FrameOutcome outcome);
 
@@ -54,12 +55,12 @@ struct PointSummary {
 
 /// Errors in the image, of a frame with truth. Never aligned.
 struct ImageMetrics {
-  double reprojection_px = kUnknown;  ///< [] px, mean over correct matches |pi(X(p)) - q|
-  std::int64_t reprojection_matches = 0;
-  double overlay_px = kUnknown;  ///< [] px, mean over vertices |pi(X_v) - pi(X_v,true)|
-  std::int64_t overlay_vertices = 0;
-  bool behind_camera = false;      ///< a point of the shape has no image: no figure
-  double truth_map_px = kUnknown;  ///< [] px, how well the truth predicts itself
+  double reprojection_px = kUnknown;      ///< [] px, mean over correct matches |pi(X(p)) - q|
+  std::int64_t reprojection_matches = 0;  ///< [] correct matches in the mean
+  double overlay_px = kUnknown;           ///< [] px, mean over vertices |pi(X_v) - pi(X_v,true)|
+  std::int64_t overlay_vertices = 0;      ///< [] vertices in the mean
+  bool behind_camera = false;             ///< a point of the shape has no image: no figure
+  double truth_map_px = kUnknown;         ///< [] px, how well the truth predicts itself
 };
 
 /// The estimate against a depth image, of a solved frame with one. Never aligned, and never mixed
@@ -93,22 +94,22 @@ struct FrameMetrics {
   FrameOutcome outcome = FrameOutcome::missing;
   bool failed = false;  ///< a stage, the source or a sink had an error
   bool has_truth = false;
-  std::string kind;               ///< of the truth
-  std::string apart;              ///< why the frame is reported apart, or empty
-  std::int64_t points = 0;        ///< [] of the truth
-  std::int64_t extrapolated = 0;  ///< [] of them beside the mesh, but close
-  std::int64_t unlocated = 0;     ///< [] of them without a place on the mesh: not in the error
-  std::optional<PointSummary> error;
-  std::string no_error_because;   ///< there is truth, but no error
-  double strain_mean = kUnknown;  ///< [] mean |l / l0 - 1| over the edges
-  double strain_p95 = kUnknown;   ///< [] 95th percentile of it
+  std::string kind;                   ///< of the truth
+  std::string exclusion;              ///< why the frame is excluded, or empty
+  std::int64_t points = 0;            ///< [] of the truth
+  std::int64_t extrapolated = 0;      ///< [] of them beside the mesh, but close
+  std::int64_t unlocated = 0;         ///< [] of them without a place on the mesh: not in the error
+  std::optional<PointSummary> error;  ///< errors of the true points
+  std::string no_error_because;       ///< there is truth, but no error
+  double strain_mean = kUnknown;      ///< [] mean |l / l0 - 1| over the edges
+  double strain_p95 = kUnknown;       ///< [] 95th percentile of it
   ImageMetrics image;
   std::optional<DepthMetrics> depth;              ///< where the truth has a depth image
-  std::optional<SurfaceMetrics> surface;          ///< of a solved frame with true points
-  std::optional<VisibilityCounts> visibility;     ///< where the truth says what is seen
-  std::optional<FrameCertainty> certainty;        ///< of a solved frame with an error
+  std::optional<SurfaceMetrics> surface;          ///< errors of a solved frame with true points
+  std::optional<VisibilityCounts> visibility;     ///< where the truth has visibility
+  std::optional<FrameCertainty> certainty;        ///< certainty of a solved frame with an error
   std::optional<FrameRegistration> registration;  ///< where a pass or the evaluation measured it
-  FrameParts parts;                               ///< of a solved frame, where the truth has parts
+  FrameParts parts;  ///< parts of a solved frame, where the truth has parts
   MotionMetrics motion;
   std::vector<std::pair<std::string, FilterCounts>> filters;  ///< by stage
   std::vector<std::pair<std::string, WarpErrors>> warps;      ///< by stage
@@ -118,7 +119,7 @@ struct FrameMetrics {
     visit({"frame", "index from 0"}, self.frame);
     visit({"stem", "name of its file"}, self.stem);
     visit({"state", "of the shape: estimated, weak, predicted, lost or none"}, self.state);
-    visit({"outcome", "solved, held, missing or invalid"}, self.outcome);
+    visit({"outcome", "solved, carried_over, missing or invalid"}, self.outcome);
     visit({"failed", "a stage, the source or a sink had an error"}, self.failed);
     visit({"isometry_error_percent", "mean |l / l0 - 1| over the edges", kLower, "isometry %", 2,
            kPercent},
@@ -141,7 +142,7 @@ struct FrameMetrics {
   template <class Self, class Visit>
   static void truth_fields(Self& self, Visit& visit) {
     visit({"kind", "of the truth"}, self.kind);
-    visit({"apart", "why the frame enters no mean; empty where it does"}, self.apart);
+    visit({"excluded", "why the frame enters no mean; empty where it does"}, self.exclusion);
     visit({"points", "of the truth"}, self.points);
     visit({"points_extrapolated", "of them, beside the mesh, but close"}, self.extrapolated);
     visit({"points_unlocated", "of them, too far from the mesh: not in the error"}, self.unlocated);

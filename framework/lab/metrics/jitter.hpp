@@ -16,12 +16,12 @@ class MotionMeter {
 
  private:
   struct Moment {
-    std::uint64_t frame;
-    Points3 vertices_m;  ///< [V,3] m, empty unless the frame is solved
-    Points2 truth_xy_m;  ///< [T,2] m, empty without truth
-    Points3 truth_m;     ///< [T,3] m
+    std::uint64_t frame;  ///< [] index of the frame
+    Points3 vertices_m;   ///< [V,3] m, empty unless the frame is solved
+    Points2 truth_xy_m;   ///< [T,2] m, empty without truth
+    Points3 truth_m;      ///< [T,3] m
   };
-  std::deque<Moment> moments_;  ///< of up to three frames without a gap, the oldest first
+  std::deque<Moment> moments_;  ///< moments of up to three frames without a gap, the oldest first
 };
 
 /// Marks the frames before which the true points jump: their step is above 1 % of the template's

@@ -51,14 +51,14 @@ TruthMetrics summarise_group(const std::vector<const FrameMetrics*>& frames, dou
   for (const FrameMetrics* frame : frames) {
     ++group.frames;
     group.solved += frame->outcome == FrameOutcome::solved;
-    group.held += frame->outcome == FrameOutcome::held;
+    group.carried_over += frame->outcome == FrameOutcome::carried_over;
     group.missing += frame->outcome == FrameOutcome::missing;
     group.invalid += frame->outcome == FrameOutcome::invalid;
     group.points += frame->points;
     group.extrapolated += frame->extrapolated;
     group.unlocated += frame->unlocated;
     const bool has_shape =
-        frame->outcome == FrameOutcome::solved || frame->outcome == FrameOutcome::held;
+        frame->outcome == FrameOutcome::solved || frame->outcome == FrameOutcome::carried_over;
     group.unmeasured += has_shape && !frame->error && frame->points > 0;
     group.off += frame->error && frame->error->mean_mm > off_mm;
     if (frame->outcome != FrameOutcome::solved) continue;
@@ -66,7 +66,7 @@ TruthMetrics summarise_group(const std::vector<const FrameMetrics*>& frames, dou
     strains_p95.push_back(frame->strain_p95);
   }
   group.solved_error = summarise(frames, FrameOutcome::solved);
-  group.held_error = summarise(frames, FrameOutcome::held);
+  group.carried_over_error = summarise(frames, FrameOutcome::carried_over);
   group.strain_mean = mean_or_unknown(strains);
   group.strain_p95 = mean_or_unknown(strains_p95);
   return group;
@@ -103,7 +103,7 @@ void summarise_image(double match_tolerance_px, RunMetrics& metrics) {
     if (std::isfinite(value)) values.push_back(value);
   };
   for (const FrameMetrics& frame : metrics.frames) {
-    if (!frame.apart.empty()) continue;
+    if (!frame.exclusion.empty()) continue;
     add(frame.image.reprojection_px, reprojection);
     add(frame.image.overlay_px, overlay);
     add(frame.image.truth_map_px, truth_map);
@@ -123,7 +123,7 @@ void summarise_depth(RunMetrics& metrics) {
   DepthSummary& depth = metrics.depth;
   std::vector<double> medians_mm;
   for (const FrameMetrics& frame : metrics.frames) {
-    if (!frame.depth || !frame.apart.empty()) continue;
+    if (!frame.depth || !frame.exclusion.empty()) continue;
     depth.matches += frame.depth->matches;
     depth.without_depth += frame.depth->without_depth;
     if (frame.depth->matches == 0) ++depth.frames_without_median;
@@ -138,7 +138,7 @@ void summarise_depth(RunMetrics& metrics) {
 void add_surfaces(RunMetrics& metrics) {
   std::vector<SurfaceMetrics> frames;
   for (const FrameMetrics& frame : metrics.frames) {
-    if (frame.surface && frame.apart.empty()) frames.push_back(*frame.surface);
+    if (frame.surface && frame.exclusion.empty()) frames.push_back(*frame.surface);
   }
   metrics.surface = summarise_surfaces(frames);
 }
@@ -146,7 +146,7 @@ void add_surfaces(RunMetrics& metrics) {
 void add_visibility(RunMetrics& metrics) {
   std::vector<VisibilityCounts> counts;
   for (const FrameMetrics& frame : metrics.frames) {
-    if (frame.visibility && frame.apart.empty()) counts.push_back(*frame.visibility);
+    if (frame.visibility && frame.exclusion.empty()) counts.push_back(*frame.visibility);
   }
   metrics.visibility = summarise_visibility(counts);
 }
@@ -155,7 +155,7 @@ void add_registration(RunMetrics& metrics) {
   std::vector<FrameRegistration> frames;
   std::int64_t all_frames = 0;
   for (const FrameMetrics& frame : metrics.frames) {
-    if (!frame.apart.empty()) continue;
+    if (!frame.exclusion.empty()) continue;
     ++all_frames;
     if (frame.registration) frames.push_back(*frame.registration);
   }
@@ -165,7 +165,7 @@ void add_registration(RunMetrics& metrics) {
 void add_certainty(RunMetrics& metrics) {
   std::vector<FrameCertainty> frames;
   for (const FrameMetrics& frame : metrics.frames) {
-    if (frame.certainty && frame.apart.empty()) frames.push_back(*frame.certainty);
+    if (frame.certainty && frame.exclusion.empty()) frames.push_back(*frame.certainty);
   }
   metrics.certainty = summarise_certainty(frames);
 }
@@ -178,7 +178,7 @@ std::vector<std::pair<std::string, std::vector<Metrics>>> by_name(
     std::vector<std::pair<std::string, Metrics>> FrameMetrics::*member) {
   std::vector<std::pair<std::string, std::vector<Metrics>>> all;
   for (const FrameMetrics& frame : frames) {
-    if (!frame.apart.empty()) continue;
+    if (!frame.exclusion.empty()) continue;
     for (const auto& [name, each] : frame.*member) {
       auto known = std::find_if(all.begin(), all.end(), [&named = name](const auto& entry) {
         return entry.first == named;
@@ -205,8 +205,8 @@ void group_frames(double off_mm, RunMetrics& metrics) {
   std::vector<const FrameMetrics*> all;
   for (const FrameMetrics& frame : metrics.frames) {
     if (!frame.has_truth) continue;
-    groups[{frame.apart, frame.kind}].push_back(&frame);
-    if (frame.apart.empty()) all.push_back(&frame);
+    groups[{frame.exclusion, frame.kind}].push_back(&frame);
+    if (frame.exclusion.empty()) all.push_back(&frame);
   }
   for (const auto& [key, frames] : groups) {
     metrics.groups.push_back({summarise_group(frames, off_mm), key.second, key.first});
@@ -231,7 +231,7 @@ std::string name_of(const std::string& folder) {
 }  // namespace
 
 const char* to_string(FrameOutcome outcome) {
-  constexpr const char* kNames[] = {"solved", "held", "missing", "invalid"};
+  constexpr const char* kNames[] = {"solved", "carried_over", "missing", "invalid"};
   return kNames[static_cast<int>(outcome)];
 }
 

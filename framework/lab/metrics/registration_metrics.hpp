@@ -12,7 +12,7 @@ namespace weft::lab {
 
 /// One frame against its flat reference. A patch that was not found is within no distance.
 struct FrameRegistration {
-  std::int64_t patches = 0, found = 0;
+  std::int64_t patches = 0, found = 0;          ///< [] numbers of patches
   std::int64_t within_1mm = 0, within_2mm = 0;  ///< [] patches found at most so far away
   double within_1mm_percent = kUnknown;         ///< [] of all patches
   double within_2mm_percent = kUnknown;         ///< [] of all patches
@@ -38,9 +38,9 @@ struct FrameRegistration {
 
 /// The same over a run. All patches count the same, whichever frame they are of.
 struct RegistrationMetrics {
-  std::int64_t frames = 0;             ///< [] that were measured
-  std::int64_t frames_unmeasured = 0;  ///< [] the others of a run with any that were measured
-  std::int64_t patches = 0;
+  std::int64_t frames = 0;               ///< [] that were measured
+  std::int64_t frames_unmeasured = 0;    ///< [] the others of a run with any that were measured
+  std::int64_t patches = 0;              ///< [] patches over all frames
   double within_1mm_percent = kUnknown;  ///< [] of all patches
   double within_2mm_percent = kUnknown;  ///< [] of all patches
   double found_percent = kUnknown;       ///< [] of all patches

@@ -16,8 +16,8 @@ struct RunMetrics {
   Alignment alignment = Alignment::none;
   bool has_solver = true;           ///< without one there are no shapes, no groups and no failures
   bool interrupted = false;         ///< the run was killed while it wrote a frame's line
-  std::int64_t source_frames = -1;  ///< of the source; -1 where nobody knows
-  std::int64_t dropped = 0;  ///< [frames] of the source that a run of `realtime: latest` left out
+  std::int64_t source_frames = -1;  ///< frames of the source; -1 if unknown
+  std::int64_t dropped = 0;  ///< [frames] of the source that a run of `realtime: latest` omitted
   std::vector<std::string> truth_users;  ///< components that may have read the truth
   /// Solvers, warps and filters that state it: "filters/tran: reconstruction".
   std::vector<std::string> implements;
@@ -25,19 +25,19 @@ struct RunMetrics {
   double strain_mean = kUnknown;       ///< [] mean over all solved frames
   double strain_p95 = kUnknown;        ///< [] mean over them of the 95th percentile
   std::vector<GroupMetrics> groups;    ///< by kind, then reason; kinds without a reason first
-  TruthMetrics all;                    ///< every frame with truth that is not apart
-  ImageSummary image;                  ///< frames apart are left out
-  DepthSummary depth;                  ///< frames apart are left out
-  SurfaceSummary surface;              ///< frames apart are left out
-  std::vector<PartMetrics> parts;      ///< of the truth; frames apart are left out
-  VisibilityMetrics visibility;        ///< frames apart are left out
-  RegistrationMetrics registration;    ///< frames apart are left out
-  CertaintyMetrics certainty;          ///< frames apart are left out
-  std::vector<FilterMetrics> filters;  ///< by stage; frames apart are left out
-  std::vector<WarpMetrics> warps;      ///< by stage; frames apart are left out
+  TruthMetrics all;                    ///< every frame with truth that is not excluded
+  ImageSummary image;                  ///< without excluded frames
+  DepthSummary depth;                  ///< without excluded frames
+  SurfaceSummary surface;              ///< without excluded frames
+  std::vector<PartMetrics> parts;      ///< parts of the truth; without excluded frames
+  VisibilityMetrics visibility;        ///< without excluded frames
+  RegistrationMetrics registration;    ///< without excluded frames
+  CertaintyMetrics certainty;          ///< without excluded frames
+  std::vector<FilterMetrics> filters;  ///< by stage; without excluded frames
+  std::vector<WarpMetrics> warps;      ///< by stage; without excluded frames
   Jitter jitter;
   std::vector<FrameMetrics> frames;   ///< in order
-  std::vector<std::string> warnings;  ///< what of the run folder is left out or not known, and why
+  std::vector<std::string> warnings;  ///< omitted or unknown parts of the run folder, with reasons
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -58,8 +58,9 @@ struct RunMetrics {
     visit({"isometry_error_p95_percent", "mean over all solved frames of its 95th percentile",
            kLower, nullptr, 2, kPercent},
           self.strain_p95);
-    visit({"groups", "frames by the kind of their truth, and by why they are apart"}, self.groups);
-    visit({"all", "every frame with truth that is not apart"}, self.all);
+    visit({"groups", "frames by the kind of their truth, and by why they are excluded"},
+          self.groups);
+    visit({"all", "every frame with truth that is not excluded"}, self.all);
     visit({"image", "errors in the image, of solved frames"}, self.image);
     visit({"depth", "against depth images"}, self.depth);
     visit({"surface", "mesh and truth as surfaces"}, self.surface);

@@ -10,11 +10,11 @@ namespace weft::lab {
 
 /// MotionMetrics over all triples of solved frames that follow each other without a cut.
 struct Jitter {
-  std::int64_t triples = 0, truth_triples = 0;
-  std::int64_t cuts = 0;            ///< [] frames before which the truth jumps
-  double mean_mm = kUnknown;        ///< [] mm
-  double median_mm = kUnknown;      ///< [] mm, hardly moved by cuts that no truth tells
-  double truth_mean_mm = kUnknown;  ///< [] mm
+  std::int64_t triples = 0, truth_triples = 0;  ///< [] triples of frames; with truth
+  std::int64_t cuts = 0;                        ///< [] frames before which the truth jumps
+  double mean_mm = kUnknown;                    ///< [] mm
+  double median_mm = kUnknown;                  ///< [] mm, hardly moved by cuts that no truth tells
+  double truth_mean_mm = kUnknown;              ///< [] mm
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -30,13 +30,13 @@ struct Jitter {
 
 /// Means of ImageMetrics over solved frames.
 struct ImageSummary {
-  double match_tolerance_px = kUnknown;  ///< [] px
-  std::int64_t reprojection_frames = 0, overlay_frames = 0;
-  std::int64_t reprojection_matches = 0, overlay_vertices = 0;
-  std::int64_t behind_camera_frames = 0;  ///< [] without these figures
-  double reprojection_px = kUnknown;      ///< [] px
-  double overlay_px = kUnknown;           ///< [] px
-  double truth_map_px = kUnknown;         ///< [] px, median over frames
+  double match_tolerance_px = kUnknown;                         ///< [] px
+  std::int64_t reprojection_frames = 0, overlay_frames = 0;     ///< [] frames in the means
+  std::int64_t reprojection_matches = 0, overlay_vertices = 0;  ///< [] over these frames
+  std::int64_t behind_camera_frames = 0;                        ///< [] without these figures
+  double reprojection_px = kUnknown;                            ///< [] px
+  double overlay_px = kUnknown;                                 ///< [] px
+  double truth_map_px = kUnknown;                               ///< [] px, median over frames
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -60,12 +60,12 @@ struct ImageSummary {
 
 /// DepthMetrics over solved frames with a depth image.
 struct DepthSummary {
-  std::int64_t frames = 0;  ///< [] with a median
-  std::int64_t frames_without_median = 0;
-  std::int64_t matches = 0, without_depth = 0;
-  double mean_mm = kUnknown;    ///< [] mm, mean over frames of their medians
-  double median_mm = kUnknown;  ///< [] mm, median over frames of their medians
-  double worst_mm = kUnknown;   ///< [] mm, largest median of a frame
+  std::int64_t frames = 0;                      ///< [] with a median
+  std::int64_t frames_without_median = 0;       ///< [] the other frames
+  std::int64_t matches = 0, without_depth = 0;  ///< [] matches over all frames
+  double mean_mm = kUnknown;                    ///< [] mm, mean over frames of their medians
+  double median_mm = kUnknown;                  ///< [] mm, median over frames of their medians
+  double worst_mm = kUnknown;                   ///< [] mm, largest median of a frame
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -83,9 +83,10 @@ struct DepthSummary {
 
 /// All frames, with truth or without. frames is the sum of the six that follow.
 struct FrameCounts {
-  std::int64_t frames = 0;
-  std::int64_t estimated = 0, weak = 0, predicted = 0, lost = 0, none = 0, invalid = 0;
-  std::int64_t failed = 0;  ///< [] with an error somewhere; they are counted above too
+  std::int64_t frames = 0;  ///< [] all frames
+  std::int64_t estimated = 0, weak = 0, predicted = 0, lost = 0, none = 0,
+               invalid = 0;  ///< [] frames by state
+  std::int64_t failed = 0;   ///< [] with an error somewhere; they are counted above too
 
   std::int64_t solved() const { return estimated + weak; }
   double solved_percent() const {

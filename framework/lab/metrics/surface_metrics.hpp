@@ -48,7 +48,7 @@ struct SurfaceMetrics {
   double to_truth_mm = kUnknown;                 ///< [] mm, mean over the mesh's area
   double from_truth_squared_mm2 = kUnknown;      ///< [] mm^2, mean over the true points
   double to_truth_squared_mm2 = kUnknown;        ///< [] mm^2, mean over the mesh's area
-  std::optional<SampledDistances> sampled = {};  ///< where they are asked for
+  std::optional<SampledDistances> sampled = {};  ///< present on request
 
   double chamfer_mm() const { return 0.5 * (from_truth_mm + to_truth_mm); }
   double chamfer_squared_mm2() const { return from_truth_squared_mm2 + to_truth_squared_mm2; }
@@ -73,7 +73,7 @@ struct SurfaceMetrics {
 
 /// Means of SampledDistances over the frames that have them.
 struct SampledSummary {
-  std::int64_t frames = 0;
+  std::int64_t frames = 0;  ///< [] frames with distances
   double from_truth_mm = kUnknown, to_truth_mm = kUnknown, chamfer_mm = kUnknown;  ///< [] mm
   double from_truth_squared_mm2 = kUnknown, to_truth_squared_mm2 = kUnknown;       ///< [] mm^2
   double chamfer_squared_mm2 = kUnknown;                                           ///< [] mm^2
@@ -107,7 +107,7 @@ struct SurfaceSummary {
   double chamfer_mm = kUnknown;                 ///< [] mm, of frames both ways
   double chamfer_squared_mm2 = kUnknown;        ///< [] mm^2, of frames both ways
   double worst_chamfer_squared_mm2 = kUnknown;  ///< [] mm^2, largest of a frame
-  SampledSummary sampled;                       ///< where sampled distances were asked for
+  SampledSummary sampled;                       ///< present on request
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

@@ -43,23 +43,23 @@ struct ErrorSummary {
   }
 };
 
-/// Frames with truth. frames = solved + held + missing + invalid.
+/// Frames with truth. frames = solved + carried_over + missing + invalid.
 struct TruthMetrics {
-  std::int64_t frames = 0;  ///< [] with truth
-  std::int64_t solved = 0;
-  std::int64_t held = 0;
-  std::int64_t missing = 0;  ///< [] failures: truth, but no shape
-  std::int64_t invalid = 0;  ///< [] failures: NaN or infinity
-  std::int64_t off = 0;      ///< [] failures: solved or held, but off
-  /// [] solved or held and truth with points, but no error: none on the mesh, no alignment
+  std::int64_t frames = 0;        ///< [] with truth
+  std::int64_t solved = 0;        ///< [] frames with a measured shape
+  std::int64_t carried_over = 0;  ///< [] frames with a carried-over shape
+  std::int64_t missing = 0;       ///< [] failures: truth, but no shape
+  std::int64_t invalid = 0;       ///< [] failures: NaN or infinity
+  std::int64_t off = 0;           ///< [] failures: solved or carried over, but off
+  /// [] solved or carried over and truth with points, but no error: none on the mesh, no alignment
   std::int64_t unmeasured = 0;
-  std::int64_t points = 0;
-  std::int64_t extrapolated = 0;
-  std::int64_t unlocated = 0;
-  ErrorSummary solved_error;      ///< of solved frames
-  ErrorSummary held_error;        ///< of held frames, never mixed with the former
-  double strain_mean = kUnknown;  ///< [] mean over solved frames
-  double strain_p95 = kUnknown;   ///< [] mean over solved frames of the 95th percentile
+  std::int64_t points = 0;          ///< [] true points, as in FrameMetrics
+  std::int64_t extrapolated = 0;    ///< [] as in FrameMetrics
+  std::int64_t unlocated = 0;       ///< [] as in FrameMetrics
+  ErrorSummary solved_error;        ///< of solved frames
+  ErrorSummary carried_over_error;  ///< of frames with an old shape, never mixed with the former
+  double strain_mean = kUnknown;    ///< [] mean over solved frames
+  double strain_p95 = kUnknown;     ///< [] mean over solved frames of the 95th percentile
 
   std::int64_t failures() const { return missing + invalid + off; }
   double failure_percent() const {
@@ -70,7 +70,8 @@ struct TruthMetrics {
   static void fields(Self& self, Visit&& visit) {
     visit({"frames", "with truth", {}, "frames"}, self.frames);
     visit({"solved", "estimated or weak", kHigher, "solved"}, self.solved);
-    visit({"held", "with an old shape, predicted or lost", {}, "held"}, self.held);
+    visit({"carried_over", "with an old shape, predicted or lost", {}, "carried over"},
+          self.carried_over);
     visit({"missing", "failures: truth, but no shape", kLower}, self.missing);
     visit({"invalid", "failures: NaN or infinity in the shape", kLower}, self.invalid);
     visit({"unmeasured", "with a shape that could not be compared with the truth"},
@@ -85,7 +86,7 @@ struct TruthMetrics {
           self.unlocated);
     visit({.name = "error_solved", .meaning = "3D error of solved frames", .column = ""},
           self.solved_error);
-    visit({"error_held", "and of held ones, never mixed with the former"}, self.held_error);
+    visit({"error_carried_over", "3D error of frames with an old shape"}, self.carried_over_error);
     visit({"isometry_error_percent", "mean over solved frames of |l / l0 - 1|", kLower,
            "isometry %", 2, kPercent},
           self.strain_mean);
@@ -95,15 +96,15 @@ struct TruthMetrics {
   }
 };
 
-/// Frames with one kind of truth, or those among them that are reported apart for one reason.
+/// Frames with one kind of truth, or those among them that are excluded for one reason.
 struct GroupMetrics : TruthMetrics {
   std::string kind;
-  std::string apart;  ///< the reason; empty for the frames that count
+  std::string exclusion;  ///< the reason; empty for the frames that count
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit({"kind", "of the truth"}, self.kind);
-    visit({"apart", "why its frames enter no mean; empty where they do"}, self.apart);
+    visit({"excluded", "why its frames enter no mean; empty where they do"}, self.exclusion);
     TruthMetrics::fields(self, visit);
   }
 };

@@ -32,9 +32,9 @@ struct VisibilityCounts {
 
 /// The same over a run. All vertices, and all points, count the same, whichever frame they are of.
 struct VisibilityMetrics {
-  std::int64_t frames = 0;                         ///< [] whose truth says what is seen
-  std::int64_t vertices = 0, hidden_vertices = 0;  ///< [] told by the run; hidden in truth
-  std::int64_t visible_points = 0, hidden_points = 0;
+  std::int64_t frames = 0;                             ///< [] whose truth says what is seen
+  std::int64_t vertices = 0, hidden_vertices = 0;      ///< [] told by the run; hidden in truth
+  std::int64_t visible_points = 0, hidden_points = 0;  ///< [] true points by visibility
   double precision_percent = kUnknown;  ///< [] of the vertices said to be seen, those that are
   double recall_percent = kUnknown;     ///< [] of the vertices that are seen, those said to be
   double f1_percent = kUnknown;         ///< [] of seen vertices

@@ -39,7 +39,7 @@ struct WarpErrors {
 /// Means over the frames in which they are defined.
 struct WarpMetrics {
   std::string stage;
-  std::int64_t frames = 0;
+  std::int64_t frames = 0;                                       ///< [] frames with a warp
   std::int64_t salient = 0, other = 0;                           ///< [] vertices
   double salient_px = std::numeric_limits<double>::quiet_NaN();  ///< [] px
   double other_px = std::numeric_limits<double>::quiet_NaN();    ///< [] px

@@ -11,14 +11,14 @@ namespace weft::lab {
 
 /// 95 % intervals by sequence, at some of the places of a curve.
 struct Band {
-  std::vector<float> x, low, high;
+  std::vector<float> x, low, high;  ///< [n] place; [n] bounds of the interval
 
   /// Leaves an unknown interval out: there are too few sequences.
   void add(double place, const Interval& interval);
 };
 
 struct Curve {
-  std::vector<float> x, y;
+  std::vector<float> x, y;  ///< [n] place; [n] value
   Band band;
 };
 
@@ -41,7 +41,7 @@ std::vector<FrameCurve> errors_over_frames(const Results& results, const ReportT
 /// Shares [%] of the mismatches, and of the correct matches, with a score in equal parts of [0, 1].
 /// Empty where there is none of them.
 struct ScoreShares {
-  std::vector<float> mismatches, correct;
+  std::vector<float> mismatches, correct;  ///< [parts] percent
 };
 
 ScoreShares scores_of(const FilterRates& rates);
@@ -52,19 +52,19 @@ inline constexpr const char* kErrorMeasure = "mean 3D error, mm";
 /// Along the number that an axis sweeps, all other values fixed.
 struct SweepCurve {
   std::vector<std::string> others;  ///< values of the other axes; of this one the family, if any
-  std::vector<float> values;        ///< of the number
+  std::vector<float> values;        ///< values of the number
   std::vector<std::vector<float>> figures;                        ///< for each measure one a value
-  Band error_band;                                                ///< of the mean 3D error
+  Band error_band;                                                ///< band of the mean 3D error
   double auc_percent = kUnknown, partial_auc_percent = kUnknown;  ///< [] of a ROC curve
 };
 
 /// What the number that an axis sweeps does. A ROC curve has the measures FPR and TPR, in this
 /// order, and its points in ascending FPR.
 struct Sweep {
-  std::size_t axis = 0;
-  std::string stage;  ///< the filter of a ROC curve, else empty
-  std::vector<std::string> measures;
-  std::vector<SweepCurve> curves;
+  std::size_t axis = 0;               ///< [] index of the axis
+  std::string stage;                  ///< the filter of a ROC curve, else empty
+  std::vector<std::string> measures;  ///< [.] names
+  std::vector<SweepCurve> curves;     ///< [.] one per setting of the other axes
 };
 
 /// What tells the curves of a sweep apart, as axes: the other axes, and the families of this one.

@@ -17,7 +17,7 @@ struct ShownCell {
   CellView view;
 };
 
-/// A worst frame with its picture.
+/// A worst frame with its image.
 struct ShownFrame {
   std::size_t cell = 0;  ///< index into Results::cells
   double mean_mm = kUnknown;
@@ -25,14 +25,14 @@ struct ShownFrame {
   CellView view = {};  ///< the frame alone; nothing where the cell keeps no shape of it
 };
 
-/// What the page shows beside its tables.
+/// Figures of the page beside its tables.
 struct Figures {
   std::vector<std::size_t> drawn;  ///< combinations that the figures draw at first
   std::size_t reference = 0;       ///< that differences are taken from: the smallest mean error
-  std::vector<FrameCurve> over_frames;  ///< one a combination
-  std::vector<Sweep> sweeps;
-  std::vector<ShownCell> cells;
-  std::vector<ShownFrame> worst_frames;
+  std::vector<FrameCurve> over_frames;   ///< one a combination
+  std::vector<Sweep> sweeps;             ///< [.] one per swept number
+  std::vector<ShownCell> cells;          ///< [.] cells in the viewer
+  std::vector<ShownFrame> worst_frames;  ///< [.] frames with large errors
 };
 
 /// Reads what the figures need; fails where the shapes of a cell are damaged.

@@ -73,8 +73,8 @@ Verdict verdict_of(const ComparisonResult& comparison) {
     return verdict;
   }
   const auto calls = calls_of(comparison.table);
-  for (const ApartComparison& apart : comparison.apart) {
-    for (const ComparisonTable& table : apart.tables) {
+  for (const SeparateComparison& separate : comparison.separate) {
+    for (const ComparisonTable& table : separate.tables) {
       if (table.pairs.empty()) continue;
       (calls_of(table) == calls ? verdict.like : verdict.unlike).push_back(table.headline);
     }

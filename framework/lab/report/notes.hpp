@@ -5,10 +5,10 @@
 
 #include "lab/report/tables/tables.hpp"
 
-/// Plain texts that stand on the page and in tables.md alike.
+/// Plain texts that the page and tables.md share.
 namespace weft::lab {
 
-/// What the columns of a table mean.
+/// Meaning of the columns of a table.
 std::string combinations_note(const Results& results, const ReportTables& tables);
 std::string comparisons_note();
 std::string expectations_note();
@@ -19,10 +19,10 @@ std::string cells_note(const Results& results);
 /// "3 seeds", "1 seed".
 std::string counted(std::size_t count, const std::string& thing);
 
-/// What restrains everything that a report says, the gravest first.
+/// Limitations of all results of a report, the gravest first.
 std::vector<std::string> notices_of(const Results& results, const ReportTables& tables);
 
-/// What came of a comparison.
+/// Result of a comparison.
 struct Verdict {
   std::string about;  ///< the axis; empty: no comparison
   std::string text;
@@ -33,7 +33,7 @@ struct Verdict {
 /// One for each comparison of the plan, and one of its expectations.
 std::vector<Verdict> verdicts_of(const ReportTables& tables);
 
-/// What was run, by name: the axes with their values, the data, the command.
+/// The experiment, by name: the axes with their values, the data, the command.
 std::vector<std::pair<std::string, std::string>> facts_of(const Results& results,
                                                           const ReportTables& tables);
 

@@ -6,7 +6,7 @@
 
 namespace weft::lab {
 
-/// What the page of an ablation has; `scripted`: with places for figures.
+/// Content of the page of an ablation; `scripted`: with places for figures.
 Page page_of(const Results& results, const ReportTables& tables, const Figures& figures,
              bool scripted);
 

@@ -35,7 +35,7 @@ std::string markdown_head(const Results& results, const ReportTables& tables) {
     text += "- " + (verdict.about.empty() ? "" : "**" + markdown_escaped(verdict.about) + "** ") +
             markdown_escaped(verdict.text) + "\n";
     for (const auto* list : {&verdict.unlike, &verdict.like}) {
-      for (const std::string& apart : *list) text += "  - " + markdown_escaped(apart) + "\n";
+      for (const std::string& separate : *list) text += "  - " + markdown_escaped(separate) + "\n";
     }
   }
   return text + "\n";

@@ -29,8 +29,8 @@ struct CellView {
 
 /// How much of a cell a viewer holds; what is more is left out evenly.
 struct ViewLimits {
-  std::size_t frames = 60;
-  std::size_t truth_points = 300;
+  std::size_t frames = 60;         ///< [] maximum number of frames
+  std::size_t truth_points = 300;  ///< [] maximum number of true points per frame
 };
 
 /// The records of one frame, which borrow from others.

@@ -17,14 +17,14 @@ inline constexpr const char* kUncheckedLineSchema = "weft.cell/1";
 inline constexpr const char* kWithdrawalSchema = "weft.withdrawn/1";
 inline constexpr std::size_t kKeyDigits = 32;
 
-/// Whether a text is the key of a cell, so that it can name a folder.
+/// True if a text is the key of a cell, so that it can name a folder.
 bool is_key(const std::string& text);
 
 /// An object as a line, with the check of its text as the last member, without its line break.
 /// Text that is no UTF-8 is replaced.
 std::string checked_line(const nlohmann::ordered_json& object);
 
-/// The line that says that another one counts no more.
+/// The line that withdraws another one.
 std::string withdrawal_line(const std::string& file, int number, const std::string& reason);
 
 /// A line as JSON that may be trusted.
@@ -50,7 +50,7 @@ std::string failure_of(const nlohmann::json& line);
 /// "29 of 39 frames had an error, more than max_failed (0)".
 std::string too_many_failed(std::int64_t failed, std::int64_t frames, int max_failed);
 
-/// The files that a line says to be in the folder of its cell.
+/// The files in the folder of its cell that a line lists.
 std::vector<CellFile> files_of_line(const nlohmann::json& line);
 
 }  // namespace weft::lab

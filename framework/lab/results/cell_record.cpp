@@ -59,7 +59,7 @@ Result<void> read_metrics(const json& object, const std::set<std::string>& wante
   record.truth_users = metrics->truth_users;
   record.implements = metrics->implements;
   for (const FrameMetrics& frame : metrics->frames) {
-    if (!frame.has_truth || !frame.apart.empty()) continue;
+    if (!frame.has_truth || !frame.exclusion.empty()) continue;
     const bool counts = frame.outcome == FrameOutcome::solved && frame.error;
     record.errors.push_back({frame.frame, counts ? frame.error->mean_mm : kUnknown});
   }

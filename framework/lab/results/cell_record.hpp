@@ -12,7 +12,7 @@
 #include "lab/metrics/frame_metrics.hpp"
 #include "lab/results/damage.hpp"
 
-/// What the lines of a results folder say of its cells; see docs/results.md.
+/// Contents of the lines of a results folder about its cells; see docs/results.md.
 namespace weft::lab {
 
 /// `missing` is a cell of the plan that has not been run yet.
@@ -48,8 +48,8 @@ struct StageTime {
 
 /// What solved frames said of their own error, and what came true; see CertaintyMetrics.
 struct CertaintyCounts {
-  std::int64_t frames = 0, right = 0, silently_wrong = 0;
-  double squares = 0.0;                    ///< [] sum of (confidence - right)^2
+  std::int64_t frames = 0, right = 0, silently_wrong = 0;  ///< [] numbers of frames
+  double squares = 0.0;                                    ///< [] sum of (confidence - right)^2
   std::vector<ConfidenceBin> bins = {};    ///< equal parts of [0, 1]; empty without frames
   std::int64_t vertices = 0;               ///< [] with a standard deviation
   std::array<double, 3> within_percent{};  ///< [] of them within 1, 2, 3 standard deviations
@@ -72,12 +72,12 @@ struct LinePlace {
 /// enters a mean: it has no figures, and failed in each of its frames.
 struct CellRecord {
   CellOutcome outcome = CellOutcome::missing;
-  std::string reason;  ///< of a failure
+  std::string reason;  ///< reason of a failure
   std::string key, rebuilt_key;
   LinePlace place;
   bool timed = false;                 ///< its line has times
   std::vector<std::string> executed;  ///< stages that the cell ran itself
-  std::vector<CellFile> files;        ///< of its folder; none in lines of older programs
+  std::vector<CellFile> files;        ///< files of its folder; none in lines of older programs
   std::string processor;              ///< that computed it
 
   std::int64_t frames = 0, solved = 0;          ///< [] of all frames
@@ -89,12 +89,12 @@ struct CellRecord {
   std::string worst_frame;
   std::vector<std::string> truth_users;   ///< components that may have read the truth
   std::vector<std::string> implements;    ///< "filters/tran: reconstruction"; empty in older lines
-  std::vector<FrameError> errors;         ///< in the order of the frames, where they were asked for
+  std::vector<FrameError> errors;         ///< in the order of the frames, on request
   std::vector<FilterRates> filters;       ///< in the order of the stages
   CertaintyCounts certainty;              ///< empty where the run says nothing of it
   std::vector<StageTime> times;           ///< empty where no uncached time was taken
   double processor_ms = kUnknown;         ///< [] ms a frame of all stages, the source not counted
-  std::map<std::string, double> figures;  ///< by metric: those that were asked for
+  std::map<std::string, double> figures;  ///< by metric: the requested ones
   double seconds = kUnknown;  ///< [s] its process took for it; NaN in lines of older programs
 
   bool done() const { return outcome == CellOutcome::done; }
@@ -106,8 +106,8 @@ struct CellRecord {
 /// All that a folder has.
 struct CellRecords {
   std::map<std::string, CellRecord> cells;  ///< finished ones, by key
-  std::vector<Damage> damaged;
-  std::size_t unchecked = 0;  ///< lines without a check, of older programs
+  std::vector<Damage> damaged;              ///< [.] results that cannot be trusted
+  std::size_t unchecked = 0;                ///< lines without a check, of older programs
 };
 
 /// What is to be read of cells besides what is always read.

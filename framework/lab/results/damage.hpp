@@ -9,8 +9,8 @@ namespace weft::lab {
 /// A file in the folder of a cell.
 struct CellFile {
   std::string name;
-  std::uint64_t bytes = 0;
-  std::string hash;  ///< XXH128, 32 hexadecimal digits
+  std::uint64_t bytes = 0;  ///< [bytes] size of the file
+  std::string hash;         ///< XXH128, 32 hexadecimal digits
 };
 
 /// A result that cannot be trusted: its line, or what its line says to be in the cell's folder.
@@ -19,7 +19,7 @@ struct Damage {
   std::string what;   ///< is wrong
   std::string key;    ///< of the cell; empty where it cannot be told
   std::string file;   ///< of the line, without folders
-  int line = 0;
+  int line = 0;       ///< [] number of the line; 0: none
 };
 
 }  // namespace weft::lab

@@ -7,7 +7,7 @@
 
 namespace weft::lab {
 
-/// What became of an expectation of the plan.
+/// Outcome of an expectation of the plan.
 struct ExpectationOutcome {
   bool met = false;
   std::int64_t cells = 0, without = 0;  ///< [] selected; of them without such a figure

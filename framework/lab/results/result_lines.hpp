@@ -14,10 +14,10 @@ namespace weft::lab {
 
 using TakeLine = std::function<Result<void>(const LinePlace&, const nlohmann::json&)>;
 
-/// What was wrong with lines, and how many could not be checked.
+/// Errors in lines, and how many could not be checked.
 struct LineFaults {
-  std::vector<Damage> damaged;
-  std::size_t unchecked = 0;
+  std::vector<Damage> damaged;  ///< [.] lines that cannot be trusted
+  std::size_t unchecked = 0;    ///< [] lines without a check
 };
 
 /// Gives all lines of cells that count to `take`, by file and line: what was withdrawn and what is

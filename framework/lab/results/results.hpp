@@ -15,17 +15,17 @@ namespace weft::lab {
 
 /// Frames of a sequence, as the cells say that got through it.
 struct SequenceSize {
-  std::int64_t frames = 0, truth_frames = 0;
+  std::int64_t frames = 0, truth_frames = 0;  ///< [] frames; frames with truth
 };
 
 struct Results {
   std::string folder;
-  std::string version;          ///< of weft, with its commit
+  std::string version;          ///< version of weft, with its commit
   bool accept_rebuilt = false;  ///< results of differently built components may stand side by side
   std::string alignment = "none";        ///< that every error was measured with
   double match_tolerance_px = kUnknown;  ///< [] px, up to which a match is correct
   PlanRecord plan;
-  CellRecords records;                        ///< of cells of other plans too
+  CellRecords records;                        ///< includes cells of other plans
   std::map<std::string, SequenceSize> sizes;  ///< by sequence
   std::set<std::string> processors;           ///< that computed them
 

@@ -11,10 +11,10 @@ namespace weft::schema {
 // manifests of what is installed. They refuse nothing that a reader takes, but for odd spellings
 // such as a text that looks like null; a reader sees more: files, names of stages, the wiring.
 
-/// Of pipeline files.
+/// Schema of pipeline files.
 std::string pipeline_schema(const host::Registry& registry);
 
-/// Of the plans of ablations.
+/// Schema of the plans of ablations.
 std::string plan_schema(const host::Registry& registry);
 
 }  // namespace weft::schema

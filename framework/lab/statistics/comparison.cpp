@@ -246,8 +246,8 @@ Result<ComparisonTable> compare(const std::vector<Observation>& observations,
   return std::move(tables.front());
 }
 
-Result<std::vector<ComparisonTable>> compare_apart(const std::vector<ObservationGroup>& groups,
-                                                   const ComparisonOptions& options) {
+Result<std::vector<ComparisonTable>> compare_separately(const std::vector<ObservationGroup>& groups,
+                                                        const ComparisonOptions& options) {
   std::vector<ComparisonTable> tables;
   for (const ObservationGroup& group : groups) {
     ComparisonTable& table = tables.emplace_back();

@@ -19,14 +19,14 @@ struct ComparisonOptions {
   std::string unit = "mm";  ///< may be empty
   Better better = Better::lower;
   std::string reference;   ///< compares the others with this one; empty: all pairs
-  std::uint64_t seed = 1;  ///< of resampling
+  std::uint64_t seed = 1;  ///< seed of resampling
 };
 
 /// `too_few` where no outcome of so many sequences could have been called, ties apart: two pairs of
 /// the same number of sequences in one family are both too few, or neither is.
 enum class Call { too_few, undecided, a, b };
 
-/// Whether a call names one of the two.
+/// True if a call names one of the two.
 constexpr bool decided(Call call) { return call == Call::a || call == Call::b; }
 
 /// A treatment by itself. Its values may stand on other frames than those of the next treatment:
@@ -40,16 +40,16 @@ struct TreatmentSummary {
   std::int64_t rows = 0, failures = 0;  ///< [] places tried, and of them without a value
 };
 
-/// Whether a fails more often than b, over the places that both were tried at.
+/// True if a fails more often than b, over the places that both were tried at.
 struct FailurePair {
   std::int64_t rows = 0;                          ///< [] places
   std::int64_t only_a = 0, only_b = 0, both = 0;  ///< [] failures of
   PairedTest test;                                ///< share of failures, a - b, by sequence
-  double p_holm = kUnknown;
-  Call call = Call::too_few;  ///< which one fails less
+  double p_holm = kUnknown;                       ///< [] p after Holm's correction
+  Call call = Call::too_few;                      ///< which one fails less
 };
 
-/// Whether a is better than b, over the places where both have a value.
+/// True if a is better than b, over the places where both have a value.
 struct PairComparison {
   std::string a, b;
   std::int64_t rows = 0;                        ///< [] places
@@ -59,7 +59,7 @@ struct PairComparison {
   /// At the level that Holm's correction left for this pair: zero lies outside where the difference
   /// is called, and only there. Unknown where there are too few sequences.
   Interval interval;
-  double p_holm = kUnknown;
+  double p_holm = kUnknown;  ///< [] p after Holm's correction
   /// So many differences are zero that the others could have called nothing, whatever they are.
   bool hidden_by_ties = false;
   double smallest_effect = kUnknown;  ///< that n could show at the level left by Holm's first step
@@ -76,7 +76,7 @@ struct FriedmanComparison {
   std::vector<std::string> sequences;  ///< that are ranked
   std::vector<std::string> left_out;   ///< sequences without such a place
   Friedman test;                       ///< rank 1 for the best
-  double p_holm = kUnknown;
+  double p_holm = kUnknown;            ///< [] p after Holm's correction
   bool differ = false;
   std::string sentence;
 };
@@ -91,8 +91,8 @@ struct ComparisonTable {
 
 /// Results that are compared apart from others.
 struct ObservationGroup {
-  std::string where;  ///< begins its sentences: "With sift"; may be empty
-  std::vector<Observation> observations;
+  std::string where;                      ///< begins its sentences: "With sift"; may be empty
+  std::vector<Observation> observations;  ///< [.] results of all treatments
 };
 
 /// Compares treatments. One family, so that all that the table calls is wrong somewhere with a
@@ -104,7 +104,7 @@ Result<ComparisonTable> compare(const std::vector<Observation>& observations,
 
 /// The same for several groups, which are one family: the more groups, the more a difference has to
 /// be to be called. A group with no results of the reference, or of no treatment, has no pairs.
-Result<std::vector<ComparisonTable>> compare_apart(const std::vector<ObservationGroup>& groups,
-                                                   const ComparisonOptions& options = {});
+Result<std::vector<ComparisonTable>> compare_separately(const std::vector<ObservationGroup>& groups,
+                                                        const ComparisonOptions& options = {});
 
 }  // namespace weft::lab

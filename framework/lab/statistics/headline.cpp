@@ -11,14 +11,14 @@ namespace weft::lab {
 namespace {
 
 /// What a treatment comes to against each of the others.
-struct Standing {
+struct Rank {
   std::string name;
   double mean = kUnknown;
   std::vector<const PairComparison*> better, worse, undecided, too_few;
 };
 
-Standing standing_of(const ComparisonTable& table, const TreatmentSummary& treatment) {
-  Standing standing{treatment.name, treatment.mean, {}, {}, {}, {}};
+Rank standing_of(const ComparisonTable& table, const TreatmentSummary& treatment) {
+  Rank standing{treatment.name, treatment.mean, {}, {}, {}, {}};
   for (const PairComparison& pair : table.pairs) {
     if (pair.a != treatment.name && pair.b != treatment.name) continue;
     const Call own = pair.a == treatment.name ? Call::a : Call::b;
@@ -104,7 +104,7 @@ std::string undecided_list(const std::vector<const PairComparison*>& pairs, cons
 }
 
 /// Of those without a verdict.
-std::string rest_text(const Standing& standing, const std::string& unit) {
+std::string rest_text(const Rank& standing, const std::string& unit) {
   std::string text;
   if (!standing.undecided.empty()) {
     text += fmt::format(" Not told apart from it: {}.",
@@ -117,7 +117,7 @@ std::string rest_text(const Standing& standing, const std::string& unit) {
   return text;
 }
 
-std::string against_reference(const ComparisonTable& table, const Standing& reference,
+std::string against_reference(const ComparisonTable& table, const Rank& reference,
                               const ComparisonOptions& options, const std::string& where) {
   const std::string& name = reference.name;
   const auto text = [&](const std::vector<const PairComparison*>& pairs, const char* by_failures) {
@@ -129,8 +129,8 @@ std::string against_reference(const ComparisonTable& table, const Standing& refe
                      rest_text(reference, options.unit), common_evidence(table));
 }
 
-std::string none_told(const ComparisonTable& table, const ComparisonOptions& options,
-                      const std::string& where) {
+std::string none_decided(const ComparisonTable& table, const ComparisonOptions& options,
+                         const std::string& where) {
   const auto largest = std::max_element(
       table.pairs.begin(), table.pairs.end(), [](const PairComparison& a, const PairComparison& b) {
         return std::abs(a.test.mean) < std::abs(b.test.mean) ||
@@ -141,9 +141,9 @@ std::string none_told(const ComparisonTable& table, const ComparisonOptions& opt
 }
 
 /// The one that is worse than none and better than most; null where each is worse than another.
-const Standing* leader_of(const std::vector<Standing>& standings, Better better) {
-  const Standing* leader = nullptr;
-  for (const Standing& each : standings) {
+const Rank* leader_of(const std::vector<Rank>& standings, Better better) {
+  const Rank* leader = nullptr;
+  for (const Rank& each : standings) {
     if (!each.worse.empty()) continue;
     const bool ahead =
         leader == nullptr || each.better.size() > leader->better.size() ||
@@ -154,7 +154,7 @@ const Standing* leader_of(const std::vector<Standing>& standings, Better better)
   return leader;
 }
 
-std::string leader_text(const ComparisonTable& table, const Standing& leader,
+std::string leader_text(const ComparisonTable& table, const Rank& leader,
                         const ComparisonOptions& options, const std::string& where) {
   const std::string gains =
       gains_text(leader.better, leader.name, options.unit, ", which lacks more values");
@@ -189,15 +189,15 @@ std::string headline_of(const ComparisonTable& table, const ComparisonOptions& o
                        [is](const PairComparison& pair) { return is(pair.verdict); });
   };
   if (!any([](Call call) { return call != Call::too_few; })) return too_few(table, where);
-  std::vector<Standing> standings;
+  std::vector<Rank> standings;
   for (const TreatmentSummary& each : table.treatments) {
     standings.push_back(standing_of(table, each));
     if (each.name == options.reference) {
       return against_reference(table, standings.back(), options, where);
     }
   }
-  if (!any(decided)) return none_told(table, options, where);
-  const Standing* leader = leader_of(standings, options.better);
+  if (!any(decided)) return none_decided(table, options, where);
+  const Rank* leader = leader_of(standings, options.better);
   if (leader == nullptr) {
     return fmt::format("{} in {}: each is worse than another.", begun(where, "No winner"),
                        options.measure);

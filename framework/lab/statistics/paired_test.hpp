@@ -19,8 +19,8 @@ inline constexpr double kPower = 0.8;
 inline constexpr std::int64_t kLeastSequences = 6;
 
 struct PairedTest {
-  std::int64_t n = 0;  ///< [] differences
-  double mean = kUnknown;
+  std::int64_t n = 0;                    ///< [] differences
+  double mean = kUnknown;                ///< mean difference, in the unit of the values
   double standard_deviation = kUnknown;  ///< of the differences, with n - 1
   double standardised = kUnknown;        ///< [] mean / standard deviation
   Interval interval;          ///< 95 %: the shifts that the test does not reject; from 6 on
@@ -29,7 +29,7 @@ struct PairedTest {
   std::int64_t ties = 0;      ///< [] differences that are zero: they can call nothing
   bool exact = false;         ///< all 2^n signs were counted
 
-  /// Whether the test can call a difference at all.
+  /// True if the test can call a difference at all.
   bool possible() const { return n >= kLeastSequences && least_p <= kAlpha; }
 };
 

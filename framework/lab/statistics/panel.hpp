@@ -24,7 +24,7 @@ inline constexpr std::uint64_t kEveryFrame = std::numeric_limits<std::uint64_t>:
 struct Observation {
   std::string sequence;
   std::uint64_t frame = 0;  ///< [] index from 0, or kEveryFrame
-  std::uint64_t seed = 0;
+  std::uint64_t seed = 0;   ///< [] run seed
   std::string treatment;
   double value = kUnknown;  ///< not finite: a failure
 };
@@ -32,7 +32,7 @@ struct Observation {
 /// Where results of different treatments meet.
 struct PanelPlace {
   std::string sequence;
-  std::uint64_t seed = 0, frame = 0;
+  std::uint64_t seed = 0, frame = 0;  ///< [] run seed; index of the frame
 
   bool operator==(const PanelPlace&) const = default;
   bool operator<(const PanelPlace& other) const {
@@ -67,8 +67,8 @@ Result<Panel> make_panel(const std::vector<Observation>& observations);
 
 struct SequenceMean {
   std::string sequence;
-  double mean = kUnknown;
-  std::int64_t rows = 0;  ///< [] that entered
+  double mean = kUnknown;  ///< unit of the values
+  std::int64_t rows = 0;   ///< [] that entered
 };
 
 /// One entry for each sequence with at least one row of which `value` says something, in ascending

@@ -6,7 +6,7 @@
 
 #include "lab/statistics/comparison.hpp"
 
-/// What the sentences of verdicts are made of.
+/// Parts of the sentences of verdicts.
 namespace weft::lab {
 
 /// Three digits; zero has no sign.
@@ -25,7 +25,7 @@ std::string begun_by_name(const std::string& where, const std::string& name);
 
 /// A difference seen from the better one of two: positive.
 struct Gain {
-  double mean = kUnknown;
+  double mean = kUnknown;  ///< unit of the values
   Interval interval;
 };
 

@@ -17,7 +17,7 @@ inline double mean_or_unknown(const std::vector<double>& values) {
 
 /// Closed interval, in the unit of what it is an interval of.
 struct Interval {
-  double low = kUnknown, high = kUnknown;
+  double low = kUnknown, high = kUnknown;  ///< lower and upper bound
 };
 
 }  // namespace weft::lab

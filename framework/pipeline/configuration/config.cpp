@@ -69,7 +69,7 @@ std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
                                                       const std::vector<std::string>& settings,
                                                       const std::vector<Patch>& patches) {
   const auto paths = host::PathRules::of_process({}, output_folder);
-  return load_pipeline(file, read_document(file, settings, paths, patches), registry,
+  return load_pipeline(file, read_document(file, settings, registry, paths, patches), registry,
                        output_folder);
 }
 
@@ -83,21 +83,24 @@ std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
   config.file = file;
   config.sources = document.sources;
   config.left_out = std::move(document.left_out);
-  config.doubtful_names = document.doubtful_names;
+  config.unclear_names = document.unclear_names;
   config.in_program = document.in_program;
   config.isolating = document.isolating;
-  paths.of_fragment = document.fragment;
-  ConfigReport report{document.sources, std::move(document.problems), false, {}};
+  paths.unclear = document.unclear;
+  ConfigReport report{document.sources, std::move(document.problems), true, {}};
   const auto of_text = static_cast<std::ptrdiff_t>(report.problems.size());
   // A text that could not be read to its end has no root.
   if (of_text == 0 || document.root.kind == yaml::Kind::map) {
     auto [found, doubts] = check_inherited_values(document, registry, paths);
+    for (const host::FormerName& each : document.former_names) {
+      doubts.push_back(warning_of(each, document.sources));
+    }
     for (const yaml::Problem& doubt : doubts) {
       config.doubts.push_back(place_in(report.sources, doubt.at) + ": " + doubt.message);
     }
     report.warnings = std::move(doubts);
     const bool known = load_config(document.root, registry, paths, config, found);
-    report.wirable = known && !document.fragment;
+    report.unclear_stages = !known || document.unclear;
     for (yaml::Problem& mistake : found) {
       const auto end = report.problems.begin() + of_text;
       const bool follows = std::any_of(report.problems.begin(), end,

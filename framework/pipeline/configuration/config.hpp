@@ -27,25 +27,25 @@ struct CallRule {
     std::string name;
     yaml::Position at;
   };
-  std::vector<Name> not_ok;   ///< an earlier stage that answered anything but ok in this frame
-  std::int64_t every = 0;     ///< [frames] its number is a multiple of this; 0: no such rule
-  bool is_understood = true;  ///< else a mistake in it has been reported
+  std::vector<Name> not_ok;  ///< an earlier stage that answered anything but ok in this frame
+  std::int64_t every = 0;    ///< [frames] its number is a multiple of this; 0: no such rule
+  bool unclear = false;      ///< see yaml::Node
 };
 
 /// One stage or sink of a pipeline.
 struct StageConfig {
-  std::string name;    ///< see names_of_stages
-  bool named = false;  ///< `as` was given
-  std::string role;    ///< that its plugin is meant to have; empty when that cannot be told
-  std::vector<FromRule> from;
+  std::string name;            ///< see names_of_stages
+  bool named = false;          ///< `as` was given
+  std::string role;            ///< that its plugin is meant to have; empty when that cannot be told
+  std::vector<FromRule> from;  ///< [.] rules of the key `from`
   host::ComponentSpec component;  ///< without `installed` where the plugin is not known
   /// Detectors: the component with `template_params` over `params`, for the template's texture.
   std::optional<host::ComponentSpec> on_template;
   bool overwrite = false;                    ///< its outputs may go over what is there
   std::optional<host::Isolation> isolation;  ///< `isolate: process`; nothing runs it in this one
-  bool stays_here = false;       ///< it has none, though there is a reason to give it one
-  bool apart_unasked = false;    ///< it has one, of which the pipeline says nothing
-  std::optional<CallRule> when;  ///< else it is called in every frame
+  bool stays_here = false;           ///< it has none, though there is a reason to give it one
+  bool isolated_by_default = false;  ///< it has one, of which the pipeline says nothing
+  std::optional<CallRule> when;      ///< else it is called in every frame
   yaml::Position at;
 };
 
@@ -56,44 +56,44 @@ struct PipelineConfig {
   std::vector<LeftOut> left_out;
   std::optional<StageConfig> source;
   std::optional<StageConfig> templ;
-  std::vector<StageConfig> stages;
-  std::vector<StageConfig> sinks;
-  std::uint64_t seed = 0;
-  int lost_after = 30;         ///< [frames] a predicted shape older than this is lost
-  bool stop_on_error = false;  ///< else the run goes on after a failed frame
-  int max_failed = 0;          ///< failed frames that still count as success
-  int frames_at_once = 1;      ///< most frames on their way through the stages
-  int threads = 0;             ///< that work for a run; 0: one a processor core
-  bool is_sequence = true;     ///< else frames are unordered: none has one before it
-  bool latest_only = false;    ///< `realtime: latest`: frames that come meanwhile are dropped
-  bool in_program = false;     ///< see PipelineDocument: there is neither source nor sink
+  std::vector<StageConfig> stages;  ///< [.] in the order of the file
+  std::vector<StageConfig> sinks;   ///< [.] in the order of the file
+  std::uint64_t seed = 0;           ///< [] seed of the run
+  int lost_after = 30;              ///< [frames] a predicted shape older than this is lost
+  bool stop_on_error = false;       ///< else the run goes on after a failed frame
+  int max_failed = 0;               ///< failed frames that still count as success
+  int frames_at_once = 1;           ///< most frames on their way through the stages
+  int threads = 0;                  ///< that work for a run; 0: one a processor core
+  bool is_sequence = true;          ///< else frames are unordered: none has one before it
+  bool latest_only = false;         ///< `realtime: latest`: frames that come meanwhile are dropped
+  bool in_program = false;          ///< see PipelineDocument: there is neither source nor sink
   Isolating isolating = Isolating::preferred;  ///< what was chosen
   std::vector<std::string> doubts;             ///< warnings of the report, with their places
   /// A mistake leaves open what some stages are called, so that names may be missing only by it.
-  bool doubtful_names = false;
+  bool unclear_names = false;
 };
 
-/// Mistakes of a pipeline, each at its place.
+/// Errors of a pipeline with their places.
 struct ConfigReport {
-  std::vector<ConfigSource> sources;  ///< by yaml::Position::source
-  std::vector<yaml::Problem> problems;
-  bool wirable = false;  ///< it is known which stages there are, whatever else is wrong
+  std::vector<ConfigSource> sources;    ///< by yaml::Position::source
+  std::vector<yaml::Problem> problems;  ///< [.] errors with their places
+  /// It is not known which stages there are, so that wiring cannot be checked, see yaml::Node.
+  bool unclear_stages = true;
   std::vector<yaml::Problem> warnings;  ///< what is legal, but doubtful
 
   bool ok() const { return problems.empty(); }
-  /// By place.
+  /// Sorts by place.
   void sort();
-  /// One line a mistake: place_in(sources) and the sentence.
+  /// One line per error: place_in(sources) and the sentence.
   std::string text() const;
   /// The same of the warnings.
   std::string warning_text() const;
 };
 
-/// Reads a pipeline file with what it extends, lays `patches` over it, sets `settings`
-/// ("filters.alpha_s=0.2", see read_document) and checks everything but the wiring. All mistakes
-/// that do not merely follow from another one are reported in one pass, by place; a syntax error is
-/// reported alone. Use the configuration only
-/// when the report is ok, or for the wiring.
+/// Reads a pipeline file with the files that it extends, merges `patches` into it, sets `settings`
+/// ("filters.alpha_s=0.2", see read_document) and checks everything but the wiring. One pass
+/// reports all errors that do not merely follow from another one, by place; a syntax error is
+/// reported alone. Use the configuration only when the report is ok, or for the wiring.
 std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
                                                       const host::Registry& registry,
                                                       const std::string& output_folder,
@@ -110,10 +110,10 @@ std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
 /// no other stage has the same component.
 Error placed(Error error, const PipelineConfig& config);
 
-/// Whether anything of it has a process of its own, so that records must stand in shared memory.
+/// True if any component has its own process, so that records must be in shared memory.
 bool has_isolated(const PipelineConfig& config);
 
-/// Whether secrets such as tokens are in a text, or variables of the environment in their place.
+/// True if texts contain secrets such as tokens, or variables of the environment instead of them.
 enum class Secrets { hidden, shown };
 
 /// The configuration with all defaults filled in and paths resolved, as YAML.

@@ -23,7 +23,7 @@ class Loader {
 
   void load(const yaml::Node& given) {
     if (given.kind != yaml::Kind::map) {
-      wirable_ = false;
+      unclear_stages_ = true;
       return problem(given.at, "a pipeline is a map with the keys weft, source, template, stages");
     }
     const yaml::Node root = with_keys_of(given, "a pipeline", pipeline_keys());
@@ -38,8 +38,7 @@ class Loader {
     read_list(root, "sinks", config_.sinks, PipelinePart::sink);
   }
 
-  /// Whether it is known which stages there are, so that wiring can be checked.
-  bool wirable() const { return wirable_; }
+  bool unclear_stages() const { return unclear_stages_; }
 
  private:
   void problem(yaml::Position at, std::string message) {
@@ -57,7 +56,7 @@ class Loader {
 
   void check_version(const yaml::Node& root) {
     const yaml::Node* version = root.find("weft");
-    if (version == nullptr && paths_.of_fragment) return;
+    if (version == nullptr && paths_.unclear) return;
     if (version == nullptr) {
       problem(root.at, "the key 'weft' is missing; begin the file with: weft: 1");
     } else if (yaml::as_int64(*version) != 1) {
@@ -98,7 +97,7 @@ class Loader {
     config_.is_sequence = read_flag(root, "sequence", config_.is_sequence);
   }
 
-  /// What a key says; where it says nothing legal, `otherwise`, so that nothing else follows.
+  /// The value of a key; `otherwise` if it is not legal, so that no further error follows.
   bool read_flag(const yaml::Node& map, const char* name, bool otherwise) {
     const yaml::Node* given = map.find(name);
     if (given == nullptr) return otherwise;
@@ -107,7 +106,7 @@ class Loader {
     return flag.value_or(otherwise);
   }
 
-  /// Whether a key has this one of its values.
+  /// True if a key has this one of its values.
   bool is_chosen(const yaml::Node& root, const char* name, const std::string& choice) {
     const yaml::Node* node = root.find(name);
     if (node == nullptr) return false;
@@ -123,18 +122,18 @@ class Loader {
     const Place& place = place_of(part);
     const yaml::Node* node = root.find(key);
     if (node == nullptr) {
-      if (!paths_.of_fragment) problem(root.at, std::string("the key '") + key + "' is missing");
+      if (!paths_.unclear) problem(root.at, std::string("the key '") + key + "' is missing");
       return std::nullopt;
     }
     const yaml::Node item = with_keys_of(*node, place.what, place.keys);
     StageConfig stage = read_component(item, place);
     stage.name = place.roles.front();
-    if (root.find_entry(key)->doubtful) stage.component = {};
+    if (root.find_entry(key)->unclear) stage.component = {};
     read_isolation(item, part, stage);
     return stage;
   }
 
-  /// One component; what is left out of it has been reported.
+  /// One component; parts that it lacks have been reported.
   StageConfig read_component(const yaml::Node& node, const Place& place) {
     StageConfig stage;
     stage.at = node.at;
@@ -146,12 +145,12 @@ class Loader {
     read_overwrite(node, stage);
     const yaml::Entry* use = node.find_entry("use");
     if (use == nullptr) {
-      if (!node.partial && !paths_.of_fragment) {
+      if (!node.unclear && !paths_.unclear) {
         problem(node.at, place.what + " lacks the key 'use'");
       }
       return stage;
     }
-    if (use->doubtful) return stage;
+    if (use->unclear) return stage;
     stage.component = resolve(node);
     const std::string role = role_meant(use->value.scalar);
     if (contains(place.roles, role)) {
@@ -169,12 +168,12 @@ class Loader {
     stage.overwrite = node.find("overwrite") != nullptr && read_flag(node, "overwrite", true);
   }
 
-  /// What is known of the component in `node`, which has a `use`.
+  /// The known facts about the component in `node`, which has a `use`.
   host::ComponentSpec resolve(const yaml::Node& node) {
     const yaml::Entry* given = node.find_entry("params");
     yaml::Node params = given != nullptr ? given->value : yaml::Node{};
-    params.partial = params.partial || node.partial || (given != nullptr && given->doubtful);
-    const bool present = given != nullptr || params.partial;
+    params.unclear = params.unclear || node.unclear || (given != nullptr && given->unclear);
+    const bool present = given != nullptr || params.unclear;
     if (given == nullptr) params.at = node.find("use")->at;
     return host::resolve_known_part(registry_, *node.find("use"), present ? &params : nullptr,
                                     paths_, problems_);
@@ -185,9 +184,9 @@ class Loader {
     const Place& place = place_of(part);
     const yaml::Node* list = root.find(key);
     if (list == nullptr || yaml::is_null(*list)) return;
-    if (root.find_entry(key)->doubtful) wirable_ = false;
+    if (root.find_entry(key)->unclear) unclear_stages_ = true;
     if (list->kind != yaml::Kind::sequence) {
-      wirable_ = false;
+      unclear_stages_ = true;
       return problem(list->at, std::string("'") + key +
                                    "' must be a list, each item beginning with '- use: '");
     }
@@ -201,7 +200,7 @@ class Loader {
       StageConfig stage = read_component(item, place);
       stage.name = names[i];
       read_name(item, stage);
-      if (item.partial) config_.doubtful_names = true;
+      if (item.unclear) config_.unclear_names = true;
       read_from(item, stage);
       read_isolation(item, part, stage);
       read_when(item, stage);
@@ -213,17 +212,17 @@ class Loader {
   void read_name(const yaml::Node& item, StageConfig& stage) {
     const yaml::Node* as = item.find("as");
     if (as == nullptr) return;
-    if (item.find_entry("as")->doubtful) config_.doubtful_names = true;
+    if (item.find_entry("as")->unclear) config_.unclear_names = true;
     const auto legal = [](char c) {
       return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
     };
     const std::string& name = as->scalar;
     if (name.empty() || !std::all_of(name.begin(), name.end(), legal)) {
-      config_.doubtful_names = true;
+      config_.unclear_names = true;
       return problem(as->at, "'as' must be a name of a-z, 0-9 and _");
     }
     if (contains(reserved_names(), name)) {
-      config_.doubtful_names = true;
+      config_.unclear_names = true;
       problem(as->at, "'as' must not be '" + name + "', which has a meaning of its own");
     } else if (!names_.insert(name).second) {
       problem(as->at, "the name " + quote(name) + " is used twice");
@@ -234,8 +233,7 @@ class Loader {
   void read_from(const yaml::Node& item, StageConfig& stage) {
     const yaml::Node* from = item.find("from");
     if (from == nullptr) return;
-    if (item.find_entry("from")->doubtful || from->partial)
-      stage.from.push_back({"", {}, from->at});
+    if (item.find_entry("from")->unclear || from->unclear) stage.from.push_back({"", {}, from->at});
     if (from->kind != yaml::Kind::map) {
       stage.from.push_back({"", {}, from->at});
       return problem(from->at, "'from' must be a map of inputs and names, such as {warp: NAME}");
@@ -253,12 +251,12 @@ class Loader {
                 quote(entry.key) + " must be the name of a stage, or a list of names");
         rule.names.clear();
       }
-      if (entry.doubtful) rule.names.clear();
+      if (entry.unclear) rule.names.clear();
       stage.from.push_back(std::move(rule));
     }
   }
 
-  /// As the pipeline says, else as `config_.isolating` does.
+  /// The choice of the pipeline, else that of `config_.isolating`.
   void read_isolation(const yaml::Node& item, PipelinePart part, StageConfig& stage) {
     const yaml::Node* isolate = item.find("isolate");
     const yaml::Node* deadline = item.find("deadline_ms");
@@ -271,8 +269,8 @@ class Loader {
     if (goes && !rules.bound_by().empty()) {
       problem(isolate->at, "'isolate' cannot be process: " + rules.bound_by());
     }
-    stage.apart_unasked = isolate == nullptr && rules.is_wanted();
-    if (goes || stage.apart_unasked) stage.isolation.emplace();
+    stage.isolated_by_default = isolate == nullptr && rules.is_wanted();
+    if (goes || stage.isolated_by_default) stage.isolation.emplace();
     stage.stays_here = !stage.isolation && rules.has_reason();
     if (deadline != nullptr && goes) {
       std::int64_t deadline_ms = 0;
@@ -285,19 +283,19 @@ class Loader {
   }
 
   bool may_be_said_elsewhere(const yaml::Node& item) const {
-    return item.partial || paths_.of_fragment;
+    return item.unclear || paths_.unclear;
   }
 
   void read_when(const yaml::Node& item, StageConfig& stage) {
     const yaml::Entry* given = item.find_entry("when");
     if (given == nullptr) return;
     CallRule& rule = stage.when.emplace();
-    rule.is_understood = !given->doubtful && !given->value.partial;
+    rule.unclear = given->unclear || given->value.unclear;
     const std::size_t before = problems_.size();
     const yaml::Node when = with_keys_of(given->value, "'when'", condition_keys());
     if (when.kind != yaml::Kind::map) {
       problem(when.at, "'when' must be a map, such as {not_ok: NAME, every: 30}");
-    } else if (when.entries.empty() && rule.is_understood) {
+    } else if (when.entries.empty() && !rule.unclear) {
       problem(when.at, "'when' says nothing; give it not_ok: NAME, every: N or both");
     }
     read_integer(when, yaml::key_of(condition_keys(), "every"), rule.every);
@@ -312,13 +310,13 @@ class Loader {
         problem(not_ok->at, "'not_ok' must be the name of a stage, or a list of names");
       }
     }
-    rule.is_understood = rule.is_understood && problems_.size() == before;
+    rule.unclear = rule.unclear || problems_.size() > before;
   }
 
   void read_template_params(const yaml::Node& item, StageConfig& stage) {
     const yaml::Node* overrides = item.find("template_params");
     if (overrides == nullptr) return;
-    const bool doubtful = item.partial || item.find_entry("template_params")->doubtful;
+    const bool unclear = item.unclear || item.find_entry("template_params")->unclear;
     if (!rules_of(stage.role).sees_texture) {
       return problem(overrides->at, "only detectors have template_params");
     }
@@ -326,9 +324,9 @@ class Loader {
       return problem(overrides->at, "template_params must be a map of names and values");
     }
     yaml::Node merged = *overrides;
-    merged.partial = merged.partial || doubtful;
+    merged.unclear = merged.unclear || unclear;
     if (const yaml::Node* params = item.find("params")) {
-      merged.partial = merged.partial || params->partial || item.find_entry("params")->doubtful;
+      merged.unclear = merged.unclear || params->unclear || item.find_entry("params")->unclear;
       for (const yaml::Entry& entry : params->entries) {
         if (merged.find(entry.key) == nullptr) merged.entries.push_back(entry);
       }
@@ -336,7 +334,7 @@ class Loader {
     std::vector<yaml::Problem> found;
     stage.on_template =
         host::resolve_component(registry_, *item.find("use"), &merged, paths_, found);
-    // A mistake in params has been reported already.
+    // An error in params has been reported already.
     for (yaml::Problem& mistake : found) {
       const bool known =
           std::any_of(problems_.begin(), problems_.end(),
@@ -350,7 +348,7 @@ class Loader {
   PipelineConfig& config_;
   std::vector<yaml::Problem>& problems_;
   std::set<std::string> names_;
-  bool wirable_ = true;
+  bool unclear_stages_ = false;
 };
 
 }  // namespace
@@ -360,7 +358,7 @@ bool load_config(const yaml::Node& root, const host::Registry& registry,
                  std::vector<yaml::Problem>& problems) {
   Loader loader(registry, paths, config, problems);
   loader.load(root);
-  return loader.wirable();
+  return !loader.unclear_stages();
 }
 
 }  // namespace weft

@@ -17,7 +17,7 @@ fs::path without_end(fs::path path) {
 void add_declared(const host::ComponentSpec& spec, weft_value_type type, const std::string& folder,
                   const std::string& prefix, std::vector<DeclaredPath>& found) {
   const yaml::Node* params = spec.effective.find("params");
-  if (spec.installed == nullptr || params == nullptr) return;  // a mistake that was reported
+  if (spec.installed == nullptr || params == nullptr) return;  // an error that was reported
   for (const host::ParameterSpec& parameter : spec.component().parameters) {
     const yaml::Node* value = params->find(parameter.name);
     if (parameter.type != type || value == nullptr || value->scalar.empty()) continue;

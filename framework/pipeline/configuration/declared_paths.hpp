@@ -15,11 +15,11 @@ struct DeclaredPath {
   std::string component;       ///< its id
   std::filesystem::path path;  ///< absolute; of inputs it may be a pattern with * ? [ ]
   yaml::Position at;
-  bool overwrite = false;  ///< the entry says so
+  bool overwrite = false;  ///< the entry has `overwrite: true`
 };
 
-/// Those of this type (input or output path) of one component and what is nested in it. Relative
-/// ones stand in `folder`.
+/// Paths of this type (input or output path) of one component and its nested components. Relative
+/// ones start at `folder`.
 std::vector<DeclaredPath> declared_paths(const host::ComponentSpec& component, weft_value_type type,
                                          const std::string& folder);
 

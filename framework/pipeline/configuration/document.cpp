@@ -52,7 +52,8 @@ std::vector<yaml::Position> leaves_of(const yaml::Node& node) {
 
 class Reader {
  public:
-  explicit Reader(const host::PathRules& paths) : paths_(paths) {}
+  Reader(const host::Registry& registry, const host::PathRules& paths)
+      : registry_(registry), paths_(paths) {}
 
   PipelineDocument read(const std::string& file) {
     document_.root = read_file(file, {});
@@ -73,12 +74,12 @@ class Reader {
         laid.push_back({{1, 1, source}, {}});
         continue;
       }
-      auto [overlay, problems] = overlay_of(setting, document_.root);
+      auto [overlay, problems] = overlay_of(setting, document_.root, registry_);
       yaml::set_source(overlay, source);
       const bool sound = problems.empty();
       report(std::move(problems), source);
       if (sound) laid.push_back({{1, 1, source}, leaves_of(overlay)});
-      document_.root = merged(std::move(document_.root), std::move(overlay));
+      merge(std::move(overlay));
     }
     refuse_lost(laid);
     return std::move(document_);
@@ -96,9 +97,9 @@ class Reader {
     return static_cast<int>(document_.sources.size()) - 1;
   }
 
-  /// Of a file that is no map nothing else is said.
+  /// False for a file that is no map: no further error is reported.
   bool takes_more() const {
-    return !document_.unreadable && !document_.fragment && document_.root.kind == yaml::Kind::map;
+    return !document_.unreadable && !document_.unclear && document_.root.kind == yaml::Kind::map;
   }
 
   void lay(const Patch& patch) {
@@ -113,28 +114,37 @@ class Reader {
     const yaml::Node settings = given != nullptr ? *given : yaml::Node{};
     erase(node, "without");
     erase(node, "set");
-    document_.root = merged(std::move(document_.root), std::move(node));
+    merge(std::move(node));
     std::vector<Laid> laid;
     for (const yaml::Entry& setting : settings.entries) {
-      auto [overlay, problems] = overlay_of(setting, document_.root);
+      auto [overlay, problems] = overlay_of(setting, document_.root, registry_);
       const bool sound = problems.empty();
       for (yaml::Problem& each : problems) problem(each.at, std::move(each.message));
       if (sound) laid.push_back({setting.at, leaves_of(setting.value)});
-      document_.root = merged(std::move(document_.root), std::move(overlay));
+      merge(std::move(overlay));
     }
     refuse_lost(laid);
   }
 
-  /// A setting of which nothing is left has been overruled by one beside it.
+  void merge(yaml::Node over) {
+    rename(over, document_.root);
+    document_.root = merged(std::move(document_.root), std::move(over));
+  }
+
+  void rename(yaml::Node& over, const yaml::Node& base) {
+    use_current_names(over, base, registry_, document_.former_names, document_.problems);
+  }
+
+  /// Refuses settings that a later one overrides completely.
   void refuse_lost(const std::vector<Laid>& laid) {
     if (laid.size() < 2) return;
     const std::vector<yaml::Position> left = leaves_of(document_.root);
     for (const Laid& setting : laid) {
-      const auto stands = [&](yaml::Position at) {
+      const auto is_leaf_at = [&](yaml::Position at) {
         return std::find(left.begin(), left.end(), at) != left.end();
       };
       if (setting.leaves.empty() ||
-          std::any_of(setting.leaves.begin(), setting.leaves.end(), stands))
+          std::any_of(setting.leaves.begin(), setting.leaves.end(), is_leaf_at))
         continue;
       problem(setting.at,
               "this setting has no effect: a later one sets the same, or takes another plugin, "
@@ -142,7 +152,7 @@ class Reader {
     }
   }
 
-  /// Of two entries with one name the later would be laid over the earlier.
+  /// Refuses two entries with one name: the later would be merged into the earlier.
   void refuse_twice(const yaml::Node& root) {
     for (const char* key : {"stages", "sinks"}) {
       const yaml::Node* list = root.find(key);
@@ -165,11 +175,11 @@ class Reader {
     }
   }
 
-  /// Nothing but this can be said of a text that is no YAML. What other files lay over it is still
-  /// checked, as far as it does not depend on it.
+  /// The only error of a text that is no YAML. Parts that other files merge into it are still
+  /// checked, as far as they do not depend on it.
   yaml::Node give_up(yaml::Position at, std::string message) {
     problem(at, std::move(message));
-    document_.fragment = true;
+    document_.unclear = true;
     return {};
   }
 
@@ -192,7 +202,7 @@ class Reader {
     yaml::set_source(root, source);
     report(std::move(parsed->problems), source);
     refuse_twice(root);
-    if (root.partial) document_.fragment = true;
+    if (root.unclear) document_.unclear = true;
     chain.push_back(canonical_path(file));
     root = extended(std::move(root), source, chain);
     for (const char* key : {"source", "template"}) {
@@ -202,7 +212,7 @@ class Reader {
     return root;
   }
 
-  /// The root laid over the file that it extends, if it does.
+  /// The root merged into the file that it extends, if it does.
   yaml::Node extended(yaml::Node root, int source, const std::vector<std::string>& chain) {
     const yaml::Node* extends = root.find("extends");
     const yaml::Node* without = root.find("without");
@@ -211,14 +221,16 @@ class Reader {
         problem(without->at, "'without' needs 'extends', the file whose stages it leaves out");
         erase(root, "without");
       }
+      rename(root, {});
       return root;
     }
-    if (root.find_entry("extends")->doubtful) document_.fragment = true;
+    if (root.find_entry("extends")->unclear) document_.unclear = true;
     yaml::Node base = read_base(*extends, source, chain);
-    if (without != nullptr && !document_.fragment) leave_out(base, *without);
-    if (without != nullptr && root.find_entry("without")->doubtful) document_.doubtful_names = true;
+    if (without != nullptr && !document_.unclear) leave_out(base, *without);
+    if (without != nullptr && root.find_entry("without")->unclear) document_.unclear_names = true;
     erase(root, "extends");
     erase(root, "without");
+    rename(root, base);
     if (base.kind == yaml::Kind::null) return root;
     base.at = root.at;  // a missing key is missing in this file
     return merged(std::move(base), std::move(root));
@@ -231,7 +243,7 @@ class Reader {
     if (!named) return give_up(extends.at, named.error().message);
     const std::string& file = *named;
     yaml::Node base = read_file(file, chain);
-    if (base.kind == yaml::Kind::map || document_.fragment) return base;
+    if (base.kind == yaml::Kind::map || document_.unclear) return base;
     return give_up(extends.at, "'extends': " + escaped(file) + " is no pipeline, which is a map");
   }
 
@@ -256,7 +268,7 @@ class Reader {
         document_.left_out.push_back({name.scalar, found->second, name.at});
         continue;
       }
-      document_.doubtful_names = true;
+      document_.unclear_names = true;
       if (name.kind != yaml::Kind::scalar) {
         problem(name.at, "'without' must be a list of names of stages and sinks");
         continue;
@@ -294,6 +306,7 @@ class Reader {
     document_.problems.push_back({at, std::move(message)});
   }
 
+  const host::Registry& registry_;
   const host::PathRules& paths_;
   PipelineDocument document_;
 };
@@ -309,17 +322,20 @@ std::string place_in(const std::vector<ConfigSource>& sources, yaml::Position at
 }
 
 PipelineDocument read_document(const std::string& file, const std::vector<std::string>& settings,
-                               const host::PathRules& paths, const std::vector<Patch>& patches) {
-  return laid_over(read_base(file, paths), patches, settings, paths);
+                               const host::Registry& registry, const host::PathRules& paths,
+                               const std::vector<Patch>& patches) {
+  return laid_over(read_base(file, registry, paths), patches, settings, registry, paths);
 }
 
-PipelineDocument read_base(const std::string& file, const host::PathRules& paths) {
-  return Reader(paths).read(file);
+PipelineDocument read_base(const std::string& file, const host::Registry& registry,
+                           const host::PathRules& paths) {
+  return Reader(registry, paths).read(file);
 }
 
 PipelineDocument laid_over(PipelineDocument base, const std::vector<Patch>& patches,
-                           const std::vector<std::string>& settings, const host::PathRules& paths) {
-  return Reader(paths).lay(std::move(base), patches, settings);
+                           const std::vector<std::string>& settings, const host::Registry& registry,
+                           const host::PathRules& paths) {
+  return Reader(registry, paths).lay(std::move(base), patches, settings);
 }
 
 }  // namespace weft

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/loading/component_spec.hpp"
+#include "host/loading/former_names.hpp"
 #include "yaml/yaml.hpp"
 
 namespace weft {
@@ -22,21 +23,21 @@ struct ConfigSource {
 /// "file:line:column", "file" of a whole file, "--set a.b=c, column 5", or "--video FILE".
 std::string place_in(const std::vector<ConfigSource>& sources, yaml::Position at);
 
-/// Something laid over a pipeline that stands in texts of its own: keys of a pipeline that extends
-/// another one, `without`, and `set`, a map of settings.
+/// Something merged into a pipeline from separate texts: keys of a pipeline that extends another
+/// one, `without`, and `set`, a map of settings.
 struct Patch {
   std::vector<ConfigSource> sources;  ///< the texts that positions in `node` are in
   yaml::Node node;
 };
 
-/// A stage or sink of an extended file that `without` leaves out.
+/// A stage or sink of an extended file that `without` omits.
 struct LeftOut {
   std::string name;
   std::string use;
-  yaml::Position at;  ///< of the name in `without`
+  yaml::Position at;  ///< position of the name in `without`
 };
 
-/// Which components have a process of their own where the pipeline says nothing of it.
+/// Components that get their own process if the pipeline does not specify it.
 enum class Isolating {
   preferred,  ///< stages that prefer it
   automatic,  ///< and what does not come with the program, unless it keeps arrays on a device
@@ -46,7 +47,7 @@ enum class Isolating {
 
 /// Source or template of one file of a pipeline, with what the file inherits.
 struct PartOfFile {
-  int source = 0;   ///< of the file
+  int source = 0;   ///< index of the file
   std::string key;  ///< "source" or "template"
   yaml::Node node;
 };
@@ -56,11 +57,12 @@ struct PipelineDocument {
   yaml::Node root;
   std::vector<ConfigSource> sources;  ///< the file, what it extends, settings
   std::vector<LeftOut> left_out;
-  std::vector<PartOfFile> parts;  ///< without patches and settings
-  std::vector<yaml::Problem> problems;
-  bool unreadable = false;      ///< the file itself: nothing else can be said of it
-  bool fragment = false;        ///< what is missing may stand in a text that could not be read
-  bool doubtful_names = false;  ///< a mistake leaves open which stages are left out
+  std::vector<PartOfFile> parts;               ///< without patches and settings
+  std::vector<yaml::Problem> problems;         ///< [.] errors with their places
+  std::vector<host::FormerName> former_names;  ///< that the texts use; the root has current ones
+  bool unreadable = false;                     ///< the file itself: nothing else can be said of it
+  bool unclear = false;        ///< what is missing may stand in a text that could not be read
+  bool unclear_names = false;  ///< a mistake leaves open which stages are left out
   /// A program hands images in and takes what comes out: what is said of source and sinks is not
   /// looked at.
   bool in_program = false;
@@ -70,25 +72,33 @@ struct PipelineDocument {
 /// Reads a pipeline file, merges it over the file that it `extends` (which may extend another), and
 /// lays the patches over the result, then the settings.
 ///
-/// Maps are merged key by key, anything else is replaced; another `use` drops the `params` of the
-/// plugin that it replaces. Stages and sinks are merged by name (see names_of_stages): one that the
-/// extended file lacks goes behind the one listed before it, before the one listed after it where
-/// it is listed first, or to the end; `without: [NAME, ...]` leaves stages or sinks of the extended
-/// file out.
+/// Maps are merged key by key, all other values are replaced. Another `use` drops the `params` of
+/// the plugin that it replaces. Stages and sinks are merged by name (see names_of_stages). One that
+/// the extended file lacks is inserted behind the one listed before it. If it is listed first, it
+/// is inserted before the one listed after it, else at the end. `without: [NAME, ...]` omits stages
+/// or sinks of the extended file.
 ///
 /// A setting is PATH=VALUE. PATH begins with a key of the file (`seed`), with `source` or
-/// `template` or with the name of a stage or sink, and goes on with parameters, joined by dots:
+/// `template` or with the name of a stage or sink. Parameters follow, joined by dots:
 /// `filters.alpha_s=0.2`, `filters.warp.robust=tukey`, `detectors.use=detectors/orb`. VALUE is
-/// YAML. `without=NAME,NAME` leaves stages or sinks out.
+/// YAML. `without=NAME,NAME` omits stages or sinks.
+///
+/// Former names of parameters and components become current ones before texts are merged.
 PipelineDocument read_document(const std::string& file, const std::vector<std::string>& settings,
-                               const host::PathRules& paths,
+                               const host::Registry& registry, const host::PathRules& paths,
                                const std::vector<Patch>& patches = {});
 
-/// The two steps of read_document, for a file that much is laid over: the file with what it
-/// extends, and then the rest.
-PipelineDocument read_base(const std::string& file, const host::PathRules& paths);
+/// The two steps of read_document, for a file with many variants: the first reads the file with
+/// those that it extends, the second merges the rest.
+PipelineDocument read_base(const std::string& file, const host::Registry& registry,
+                           const host::PathRules& paths);
 PipelineDocument laid_over(PipelineDocument base, const std::vector<Patch>& patches,
-                           const std::vector<std::string>& settings, const host::PathRules& paths);
+                           const std::vector<std::string>& settings, const host::Registry& registry,
+                           const host::PathRules& paths);
+
+/// "'start' (...) is deprecated: use 'initial_guess'; to update the file: weft migrate FILE". The
+/// name is in one of the sources.
+yaml::Problem warning_of(const host::FormerName& name, const std::vector<ConfigSource>& sources);
 
 /// The names of the stages in a list: `as`, else the role meant, numbered from the second stage
 /// without a name on: "filters", "filters#2".

@@ -14,7 +14,7 @@
 namespace weft {
 namespace {
 
-/// What a setting says, with the place of each of its keys.
+/// The value of a setting, with the place of each of its keys.
 struct Setting {
   struct Key {
     std::string text;
@@ -61,7 +61,8 @@ const Words& settable_keys() {
 
 class Overlay {
  public:
-  explicit Overlay(const yaml::Node& root) : root_(root) {}
+  Overlay(const yaml::Node& root, const host::Registry& registry)
+      : root_(root), registry_(registry) {}
 
   std::pair<yaml::Node, std::vector<yaml::Problem>> of(const std::string& text) {
     yaml::Node node;
@@ -129,20 +130,25 @@ class Overlay {
     return map_of(setting.path[i], nested(setting, i + 1));
   }
 
-  /// The path inside a component: `params` may be left out.
-  static yaml::Node component(Setting& setting, std::size_t i, const yaml::Node* base) {
+  /// The path inside a component: `params` may be omitted.
+  yaml::Node component(Setting& setting, std::size_t i, const yaml::Node* base) const {
     if (i == setting.path.size()) return std::move(setting.value);
     const Setting::Key& key = setting.path[i];
     const bool own = contains(settable_keys(), key.text);
     if (own && !key.text.ends_with("params")) return nested(setting, i);
     const std::string block = own ? key.text : "params";
     const yaml::Node* params = base != nullptr ? base->find(block) : nullptr;
-    return map_of({block, key.at}, parameter(setting, own ? i + 1 : i, params));
+    const yaml::Node* use = base != nullptr ? base->find("use") : nullptr;
+    return map_of({block, key.at},
+                  parameter(setting, own ? i + 1 : i, params, use != nullptr ? use->scalar : ""));
   }
 
-  static yaml::Node parameter(Setting& setting, std::size_t i, const yaml::Node* params) {
+  /// `id` is the component that has these parameters.
+  yaml::Node parameter(Setting& setting, std::size_t i, const yaml::Node* params,
+                       const std::string& id) const {
     if (i == setting.path.size()) return std::move(setting.value);
-    const yaml::Node* own = params != nullptr ? params->find(setting.path[i].text) : nullptr;
+    const std::string name = host::current_parameter(registry_, id, setting.path[i].text);
+    const yaml::Node* own = params != nullptr ? params->find(name) : nullptr;
     const bool holds_component = own != nullptr && own->find("use") != nullptr;
     return map_of(setting.path[i],
                   holds_component ? component(setting, i + 1, own) : nested(setting, i + 1));
@@ -191,8 +197,8 @@ class Overlay {
     return nested(setting, 0);
   }
 
-  static yaml::Node stage(Setting& setting, const char* list, const Setting::Key& name,
-                          const yaml::Node& base) {
+  yaml::Node stage(Setting& setting, const char* list, const Setting::Key& name,
+                   const yaml::Node& base) const {
     yaml::Node item = component(setting, 1, &base);
     if (item.kind == yaml::Kind::map) {
       item.entries.push_back({"as", name.at, yaml::plain_node(name.text, name.at)});
@@ -211,6 +217,7 @@ class Overlay {
   }
 
   const yaml::Node& root_;
+  const host::Registry& registry_;
   std::vector<yaml::Problem> problems_;
 };
 
@@ -239,13 +246,15 @@ std::optional<yaml::Node> value_of_setting(const std::string& setting, std::size
 }
 
 std::pair<yaml::Node, std::vector<yaml::Problem>> overlay_of(const std::string& setting,
-                                                             const yaml::Node& root) {
-  return Overlay(root).of(setting);
+                                                             const yaml::Node& root,
+                                                             const host::Registry& registry) {
+  return Overlay(root, registry).of(setting);
 }
 
 std::pair<yaml::Node, std::vector<yaml::Problem>> overlay_of(const yaml::Entry& setting,
-                                                             const yaml::Node& root) {
-  return Overlay(root).of(setting);
+                                                             const yaml::Node& root,
+                                                             const host::Registry& registry) {
+  return Overlay(root, registry).of(setting);
 }
 
 }  // namespace weft

@@ -24,7 +24,7 @@ std::optional<std::string> file_of(const yaml::Node& part, const std::string& pa
   return code ? path->scalar : canonical.string();
 }
 
-/// Whether a value of a template belongs to one file: its scale, or places in a photograph.
+/// True if a value of a template belongs to one file: its scale, or places in a photograph.
 bool is_scale(const ParameterSpec& parameter) {
   return parameter.type == WEFT_VALUE_F64 &&
          (parameter.is_vector ? parameter.unit == "px" : parameter.unit == "m");

@@ -7,7 +7,7 @@
 namespace weft {
 namespace {
 
-/// Whether its library, or that of one nested in it, did not come with the program.
+/// True if its library, or that of a nested component, did not come with the program.
 bool is_foreign(const host::ComponentSpec& spec) {
   return spec.installed != nullptr &&
          (!spec.installed->is_own ||
@@ -15,7 +15,7 @@ bool is_foreign(const host::ComponentSpec& spec) {
                       [](const host::NestedSpec& nested) { return is_foreign(nested.component); }));
 }
 
-/// What it leaves on a device would be fetched for the others.
+/// Records that it leaves on a device would have to be fetched for the others.
 bool keeps_device(const host::ComponentSpec& spec) {
   return spec.installed != nullptr &&
          (spec.component().keeps_arrays_on_devices() ||

@@ -8,10 +8,10 @@
 
 namespace weft {
 
-/// Whether a component has a process of its own where the pipeline says nothing of it.
+/// True if a component has its own process by default.
 class IsolationRules {
  public:
-  /// Of a component that is not known nothing is wanted.
+  /// No default for an unknown component.
   IsolationRules(const host::ComponentSpec& component, PipelinePart part, Isolating isolating);
 
   /// Why it cannot have one, or empty.
@@ -19,7 +19,7 @@ class IsolationRules {
 
   bool is_wanted() const { return is_wanted_ && bound_by_.empty(); }
 
-  /// Whether it would be worth saying that it has none.
+  /// True if the absence of its own process deserves a message.
   bool has_reason() const { return has_reason_; }
 
  private:

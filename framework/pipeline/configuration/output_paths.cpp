@@ -34,7 +34,7 @@ fs::path real_path(fs::path path) {
   return path.lexically_normal();
 }
 
-/// Whether one path is the other, or holds it. `pattern` may have wildcards.
+/// True if one path is the other, or contains it. `pattern` may have wildcards.
 bool overlap(const fs::path& pattern, const fs::path& path) {
   auto a = pattern.begin();
   auto b = path.begin();
@@ -44,7 +44,7 @@ bool overlap(const fs::path& pattern, const fs::path& path) {
   return true;
 }
 
-/// Whether `inner` is `outer` or stands in it.
+/// True if `inner` is `outer` or is inside it.
 bool is_within(const fs::path& inner, const fs::path& outer) {
   return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
@@ -54,13 +54,14 @@ bool is_one_file(const fs::path& a, const struct stat& b) {
   return stat(a.c_str(), &status) == 0 && status.st_dev == b.st_dev && status.st_ino == b.st_ino;
 }
 
-/// What the pipeline reads.
+/// The inputs of the pipeline.
 struct Reading {
   fs::path path;     ///< or a pattern
   std::string what;  ///< "what 'camera' of sources/images reads", "a file of this pipeline"
 };
 
-/// Calls `visit` with each entry of a folder until it says true. What cannot be listed has none.
+/// Calls `visit` with each entry of a folder until it returns true. A folder that cannot be listed
+/// has none.
 template <class Iterator, class Visit>
 bool any_entry(Iterator entry, const Visit& visit) {
   std::error_code code;
@@ -70,8 +71,8 @@ bool any_entry(Iterator entry, const Visit& visit) {
   return false;
 }
 
-/// Calls `visit` with each file that a path or pattern below `base` names, and with what is in it
-/// where it is a folder, until it says true.
+/// Calls `visit` with each file that a path or pattern below `base` names, and with the contents of
+/// folders, until it returns true.
 template <class Visit>
 bool any_file(const fs::path& pattern, const fs::path& base, const Visit& visit) {
   std::error_code code;
@@ -91,7 +92,7 @@ bool any_file(const fs::path& pattern, const fs::path& base, const Visit& visit)
   });
 }
 
-/// Whether writing to `real`, a path without links, could change what is read.
+/// True if writing to `real`, a path without links, could change the inputs.
 bool destroys(const fs::path& real, const fs::path& reading) {
   if (overlap(reading, real)) return true;
   if (!is_pattern(reading) && overlap(real_path(reading), real)) return true;
@@ -130,16 +131,15 @@ std::string taken_by_run(const fs::path& inside) {
   return found != kTaken.end() ? *found : "";
 }
 
-/// What is written there is gone at once: into a pipe, a terminal, to where the program's own
-/// output goes.
+/// Output there is gone at once: into a pipe, a terminal, to where the program's own output goes.
 bool keeps_nothing(const fs::path& path) {
   std::error_code code;
   const fs::file_status status = fs::status(path, code);
   return path == "/dev/stdout" || fs::is_fifo(status) || fs::is_character_file(status);
 }
 
-/// What is there and would be lost, in words; empty for nothing, an empty folder, what keeps
-/// nothing.
+/// Existing contents that would be lost, in words; empty for nothing, an empty folder, and devices
+/// that keep nothing.
 std::string what_is_there(const fs::path& path) {
   std::error_code code;
   const fs::file_status status = fs::symlink_status(path, code);
@@ -155,7 +155,7 @@ class Outputs {
           const std::string& run_folder)
       : config_(config), registry_(registry), run_folder_(real_path(fs::absolute(run_folder))) {}
 
-  /// What is wrong with one output on its own; empty where nothing is.
+  /// The problem of one output on its own; empty if there is none.
   std::string complaint(const DeclaredPath& output) {
     const fs::path real = real_path(output.path);
     if (is_within(real, run_folder_)) {

@@ -8,11 +8,11 @@
 
 namespace weft {
 
-/// Appends a mistake for each output path of a component, nested ones included, that could destroy
+/// Appends an error for each output path of a component, nested ones included, that could destroy
 /// something:
 ///   - never what the pipeline reads (its files, declared input paths, plugin libraries): not the
 ///     thing itself, whatever the spelling and through whatever link, nothing around or within it;
-///   - outside of `run_folder` nothing that is there, unless the entry says `overwrite: true`;
+///   - outside of `run_folder` nothing that is there, unless the entry has `overwrite: true`;
 ///   - nothing that the run folder itself holds, and not what another output writes.
 /// `run_folder` is new or empty, or will be; where it has no name, nothing may be written.
 void refuse_unsafe_outputs(const PipelineConfig& config, const host::Registry& registry,

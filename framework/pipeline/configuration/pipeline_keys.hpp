@@ -16,15 +16,15 @@ const yaml::KeyTable& pipeline_keys();
 struct Place {
   std::string what;  ///< in messages: "a stage"
   yaml::KeyTable keys;
-  std::vector<std::string> roles;
+  std::vector<std::string> roles;  ///< [.] roles of the legal components
 };
 const Place& place_of(PipelinePart part);
 
 /// The keys of `when`.
 const yaml::KeyTable& condition_keys();
 
-/// What no stage or sink may be called: stages without a name bear that of their role, and
-/// 'previous' is the host's.
+/// Names that no stage or sink may have: stages without a name bear that of their role, and
+/// 'previous' belongs to the host.
 std::vector<std::string> reserved_names();
 
 }  // namespace weft

@@ -19,7 +19,7 @@ namespace {
 
 using host::RecordPtr;
 
-/// All mistakes of a file, of which the first one gives the place.
+/// All errors of a file; the first one gives the place.
 Error all_mistakes(const ConfigReport& report) {
   Error error{Errc::invalid_value, {}, {}};
   for (const yaml::Problem& problem : report.problems) {
@@ -48,13 +48,13 @@ Result<void> check_pixels(const Array<std::uint8_t>& pixels) {
                "image"};
 }
 
-/// A copy of a record struct that is new in the lane.
+/// A copy of a record struct that is new in the execution context.
 template <class RecordType>
-Result<RecordPtr> admitted(host::Lane& lane, const RecordType& typed, const char* slot,
-                           std::uint64_t frame = host::kOfflineFrame) {
-  const auto record = host::Record::copy_of(typed, lane.memory());
+Result<RecordPtr> admitted(host::ExecutionContext& context, const RecordType& typed,
+                           const char* slot, std::uint64_t frame = host::kOfflineFrame) {
+  const auto record = host::Record::copy_of(typed, context.memory());
   if (record == nullptr) return Error{Errc::no_memory, "cannot be copied: memory is short", slot};
-  if (auto valid = lane.admit(*record, slot); !valid) return named(valid.error(), slot);
+  if (auto valid = context.admit(*record, slot); !valid) return named(valid.error(), slot);
   record->set_frame(frame);
   return RecordPtr(record);
 }
@@ -69,7 +69,7 @@ Error forked_error(const std::string& remedy) {
           "pipeline"};
 }
 
-/// Whether a process that this one was forked from has opened a pipeline. Notes that this one does.
+/// True if a process that this one was forked from has opened a pipeline. Notes that this one does.
 bool parent_has_opened() {
   static std::atomic<pid_t> first{0};
   pid_t opener = 0;
@@ -95,7 +95,7 @@ ProcessedFrame answer_of(const FrameResult& result) {
     auto shape = host::view_as<Shape>(*result.shape);
     if (shape) answer.shape = owned_record(*std::move(shape));
   }
-  for (std::size_t i = 1; i < result.stages.size(); ++i) {  // the first one is of what came in
+  for (std::size_t i = 1; i < result.stages.size(); ++i) {  // the first one is that of the input
     const StageReport& stage = result.stages[i];
     answer.stages.push_back(
         {stage.stage.str(), to_string(stage.status), stage.reason.str(), stage.took.ms});
@@ -105,14 +105,15 @@ ProcessedFrame answer_of(const FrameResult& result) {
 
 }  // namespace
 
-/// What must stay where it is while the stages run.
+/// Objects that must stay at their addresses while the stages run.
 class Pipeline::Opened {
  public:
   explicit Opened(const std::vector<std::string>& plugin_path)
       : registry_(host::Registry::scan(host::search_path(plugin_path))) {}
 
   Result<void> check(const std::string& file, const PipelineOptions& options) {
-    auto document = read_document(file, options.settings, host::PathRules::of_process({}, ""));
+    auto document =
+        read_document(file, options.settings, registry_, host::PathRules::of_process({}, ""));
     document.in_program = true;
     auto [pipeline, report] = check_pipeline(file, std::move(document), registry_, "");
     if (!report.ok()) return all_mistakes(report);
@@ -128,15 +129,15 @@ class Pipeline::Opened {
   }
 
   Result<void> open(const Camera& camera) {
-    auto lane = lane_of(pipeline_.config, [this](const std::string& component, int level,
-                                                 const std::string& text, std::uint64_t frame) {
-      warnings_.note(component, level, text, frame);
-    });
-    if (!lane) return lane.error();
-    lane_ = *std::move(lane);
-    auto given = admitted(*lane_, camera, "camera");
+    auto context =
+        context_of(pipeline_.config,
+                   [this](const std::string& component, int level, const std::string& text,
+                          std::uint64_t frame) { warnings_.note(component, level, text, frame); });
+    if (!context) return context.error();
+    context_ = *std::move(context);
+    auto given = admitted(*context_, camera, "camera");
     if (!given) return given.error();
-    auto loop = FrameLoop::open(pipeline_, *lane_, *std::move(given));
+    auto loop = FrameLoop::open(pipeline_, *context_, *std::move(given));
     if (!loop) return loop.error();
     loop_ = *std::move(loop);
     auto templ = host::view_as<Template>(*loop_->input().templ());
@@ -152,12 +153,12 @@ class Pipeline::Opened {
   Result<ProcessedFrame> process(const Image& image, double t_s) {
     if (is_forked()) return forked_error("load a pipeline in a process that is started anew");
     if (auto legal = check_pixels(image.pixels); !legal) return legal.error();
-    auto picture = admitted(*lane_, image, "image", frames_);
+    auto picture = admitted(*context_, image, "image", frames_);
     if (!picture) return picture.error();
-    auto time = admitted(*lane_, Time{t_s}, "time", frames_);
+    auto time = admitted(*context_, Time{t_s}, "time", frames_);
     if (!time) return time.error();
     if (auto ordered = check_order(t_s, last_s_); !ordered) return ordered.error();
-    host::NamedRecords records(lane_->memory());
+    host::NamedRecords records(context_->memory());
     records.emplace_back("image", *std::move(picture));
     records.emplace_back("time", *std::move(time));
     auto frame = loop_->input().take(frames_, std::move(records));
@@ -177,7 +178,7 @@ class Pipeline::Opened {
   host::Registry registry_;
   CheckedPipeline pipeline_;
   WarningLog warnings_;
-  std::unique_ptr<host::Lane> lane_;
+  std::unique_ptr<host::ExecutionContext> context_;
   std::unique_ptr<FrameLoop> loop_;
   Template template_;  ///< borrows from the loop
   std::uint64_t frames_ = 0;

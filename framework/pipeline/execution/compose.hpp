@@ -15,8 +15,8 @@
 namespace weft {
 
 /// Matches with a filter's verdict: kept only if kept before too, the filter's scores, the least
-/// confidence that a filter said; all other arrays are shared. Fails when the mask is of another
-/// length. Made in the pool where one is given.
+/// confidence of all filters; all other arrays are shared. Fails when the mask has another length.
+/// Made in the pool where one is given.
 Result<host::RecordPtr> with_mask(const host::Record& correspondences, const host::Record& mask,
                                   const std::shared_ptr<host::MemoryPool>& pool = nullptr);
 
@@ -32,7 +32,7 @@ class MatchPlacer {
   explicit MatchPlacer(host::RecordPtr templ, std::shared_ptr<host::MemoryPool> pool = nullptr)
       : template_(std::move(templ)), pool_(std::move(pool)) {}
 
-  /// The record itself unless it is of matches that lack something. Fails on template_xy_m for a
+  /// The record itself unless it has matches that lack something. Fails on template_xy_m for a
   /// template without m_per_px.
   Result<host::RecordPtr> place(host::RecordPtr record);
 

@@ -36,11 +36,12 @@ std::string why_not_called(const StageConfig& stage, const Node& node,
 
 }  // namespace
 
-Executor::Executor(const PipelineConfig& config, const Graph& graph, host::Lane& lane,
-                   RecordPtr templ, RecordPtr camera, Sharing sharing)
+Executor::Executor(const PipelineConfig& config, const Graph& graph,
+                   host::ExecutionContext& context, RecordPtr templ, RecordPtr camera,
+                   Sharing sharing)
     : config_(config),
       graph_(graph),
-      lane_(lane),
+      context_(context),
       template_(std::move(templ)),
       camera_(std::move(camera)),
       sharing_(std::move(sharing)),
@@ -49,10 +50,10 @@ Executor::Executor(const PipelineConfig& config, const Graph& graph, host::Lane&
 }
 
 Result<std::unique_ptr<Executor>> Executor::create(const PipelineConfig& config, const Graph& graph,
-                                                   host::Lane& lane, RecordPtr templ,
+                                                   host::ExecutionContext& context, RecordPtr templ,
                                                    RecordPtr camera, Sharing sharing) {
-  std::unique_ptr<Executor> executor(
-      new Executor(config, graph, lane, std::move(templ), std::move(camera), std::move(sharing)));
+  std::unique_ptr<Executor> executor(new Executor(config, graph, context, std::move(templ),
+                                                  std::move(camera), std::move(sharing)));
   const auto sheet = host::view_as<Template>(*executor->template_);
   if (!sheet) return sheet.error();
   executor->vertices_ = {sheet->flat_px, 1};
@@ -76,7 +77,7 @@ Executor::Stage Executor::stage_of(std::size_t index, MadeStage made) const {
               rules_of(config.role),
               std::move(made),
               {},
-              MatchPlacer(template_, lane_.memory()),
+              MatchPlacer(template_, context_.memory()),
               config.name,
               {},
               {}};
@@ -88,7 +89,7 @@ Executor::Stage Executor::stage_of(std::size_t index, MadeStage made) const {
 }
 
 Result<MadeStage> Executor::made_stage(const StageConfig& stage, const std::string& key) {
-  const StageMaker maker{lane_, template_, camera_};
+  const StageMaker maker{context_, template_, camera_};
   if (sharing_.memo == nullptr) return maker.make(stage);
   if (sharing_.memo->made(key) == nullptr) sharing_.memo->keep(key, maker.make(stage));
   return *sharing_.memo->made(key);
@@ -110,7 +111,7 @@ void Executor::place_given(const FrameInput& input, FrameResult& result) const {
   }
 }
 
-/// What the past is to a frame stands fast only when the frames that it looks back to are settled.
+/// The past of a frame is final only when the frames that it looks back to are settled.
 void Executor::place_past(std::size_t value, FrameResult& result) const {
   const ValueInfo& info = graph_.values[value];
   if (info.lag == 0) return;
@@ -126,7 +127,7 @@ FrameResult Executor::process(const FrameInput& input) {
 }
 
 FrameResult Executor::begin(const FrameInput& input) {
-  FrameResult result(lane_.memory());
+  FrameResult result(context_.memory());
   result.stages.reserve(1 + stages_.size() + graph_.sinks.size());
   result.index = input.index;
   result.place = begun_++;
@@ -163,7 +164,7 @@ void Executor::change_until(std::uint64_t place, Stage& stage) {
   while (!stage.changes.empty() && stage.changes.front().place <= place) {
     Change change = std::move(stage.changes.front());
     stage.changes.pop_front();
-    lane_.replace(*stage.made.instance, *change.made.instance);
+    context_.replace(*stage.made.instance, *change.made.instance);
     stage.made = std::move(change.made);
     stage.config = std::move(change.config);
   }
@@ -173,8 +174,8 @@ void Executor::end(FrameResult& result) {
   for (std::size_t value = 0; value < graph_.values.size(); ++value) place_past(value, result);
   settle_shape(result);
   history_.remember(result.values);
-  result.timings = lane_.take_timings(result.index);
-  lane_.memory()->frame_done(result.index);
+  result.timings = context_.times().take(result.index);
+  context_.memory()->frame_done(result.index);
 }
 
 std::vector<StepRule> Executor::rules() const {
@@ -192,7 +193,7 @@ std::vector<StepRule> Executor::rules() const {
   return rules;
 }
 
-/// Who reads a warp may have the component that made it evaluate it.
+/// A reader of a warp may have the component that made it evaluate it.
 std::size_t Executor::steps_to_last_user_of_warp(std::size_t stage) const {
   const auto reads = [&](const Node& node) {
     return std::any_of(node.inputs.begin(), node.inputs.end(), [&](const InputLink& link) {
@@ -255,7 +256,7 @@ StageReport Executor::take(const StageAnswer& answer, const Stage& stage, FrameR
   return report;
 }
 
-/// By the rule of `when`.
+/// Applies the rule of `when`.
 bool Executor::is_called(const Stage& stage, const FrameResult& result) {
   if (!stage.config->when) return true;
   const auto every = static_cast<std::uint64_t>(stage.config->when->every);
@@ -287,10 +288,10 @@ StageReport Executor::execute(Stage& stage, FrameResult& result) {
     }
     return {stage.name, StageStatus::skipped, why_skipped, {}, {}, false};
   }
-  const host::Stopwatch watch = lane_.stopwatch();
-  Outcome outcome = lane_.is_cancelled()
+  const host::Stopwatch watch = context_.times().stopwatch();
+  Outcome outcome = context_.cancellation().is_requested()
                         ? Outcome{WEFT_CANCELLED, {Errc::cancelled, "was not begun", {}}, {}}
-                        : lane_.call(*stage.made.instance, kRunStage, inputs, result.index);
+                        : context_.call(*stage.made.instance, kRunStage, inputs, result.index);
   if (stage.is_kept) keep_call(stage, outcome, result);
   if (outcome.usable()) {
     if (auto stored = store(stage, outcome, result); !stored) {
@@ -300,7 +301,7 @@ StageReport Executor::execute(Stage& stage, FrameResult& result) {
       outcome = {none ? WEFT_NO_RESULT : WEFT_ERROR, {error.code, error.message, id}, {}};
     }
   }
-  StageReport report = report_of(stage.name, outcome, watch.spent(), lane_.memory());
+  StageReport report = report_of(stage.name, outcome, watch.spent(), context_.memory());
   host::SharedText cause;
   for (const int output : stage.node->outputs) {
     const RecordPtr& record = result.values[to_index(output)];
@@ -318,16 +319,17 @@ StageReport Executor::execute(Stage& stage, FrameResult& result) {
 Result<host::PooledVector<RecordPtr>> Executor::outputs_of(const Stage& stage,
                                                            const Outcome& outcome,
                                                            const FrameResult& result) {
-  host::PooledVector<RecordPtr> made(lane_.memory());
+  host::PooledVector<RecordPtr> made(context_.memory());
   made.reserve(stage.node->outputs.size());
   if (stage.rules.marks) {
     const auto before = to_index(stage.node->inputs.front().value);
-    auto composed = with_mask(*result.values[before], *outcome.find("inlier_mask"), lane_.memory());
+    auto composed =
+        with_mask(*result.values[before], *outcome.find("inlier_mask"), context_.memory());
     if (!composed) return composed.error();
     made.push_back(*std::move(composed));
   } else if (stage.rules.samples) {
     RecordPtr warp = outcome.find("warp");
-    const Outcome samples = lane_.evaluate(*warp, vertices_, result.index);
+    const Outcome samples = context_.evaluate(*warp, vertices_, result.index);
     if (!samples.usable()) return samples.error;
     made.push_back(std::move(warp));
     made.push_back(samples.find("warp_samples"));
@@ -368,7 +370,8 @@ void Executor::settle_shape(FrameResult& result) {
     frames_since_measured_ = 0;
   } else if (const RecordPtr before = history_.find("previous.shape", 1, result.place)) {
     ++frames_since_measured_;
-    result.shape = aged_shape(*before, frames_since_measured_, config_.lost_after, lane_.memory());
+    result.shape =
+        aged_shape(*before, frames_since_measured_, config_.lost_after, context_.memory());
   }
   if (result.shape == nullptr) return;
   // Sinks see the frame's shape where the last solver's would be; no stage runs after this.

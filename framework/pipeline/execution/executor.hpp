@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/calling/lane.hpp"
+#include "host/calling/execution_context.hpp"
 #include "host/roles/role_rules.hpp"
 #include "pipeline/execution/compose.hpp"
 #include "pipeline/execution/frame_line.hpp"
@@ -21,14 +21,16 @@ namespace weft {
 class Executor {
  public:
   /// Instantiates and prepares all stages and runs the detectors on the template. Stages that share
-  /// a key with another pipeline of this lane are made, and run in each frame, only once.
+  /// a key with another pipeline of this execution context are made, and run in each frame, only
+  /// once.
   static Result<std::unique_ptr<Executor>> create(const PipelineConfig& config, const Graph& graph,
-                                                  host::Lane& lane, host::RecordPtr templ,
-                                                  host::RecordPtr camera, Sharing sharing = {});
+                                                  host::ExecutionContext& context,
+                                                  host::RecordPtr templ, host::RecordPtr camera,
+                                                  Sharing sharing = {});
 
-  /// From the next frame that begins on, the stage of that index is this one, made by a StageMaker
-  /// for a configuration that differs in parameters alone; the one that it was is destroyed when no
-  /// frame needs it any more. From the thread that begins frames.
+  /// From the next frame on, this component replaces the stage of that index. A StageMaker made it
+  /// for a configuration that differs in parameters alone. The old component is destroyed when no
+  /// frame needs it any more. Call from the thread that begins frames.
   void change(std::size_t stage, std::shared_ptr<const StageConfig> config, MadeStage made);
 
   /// From now on frames hold what goes into this stage and comes out of it.
@@ -37,8 +39,8 @@ class Executor {
   FrameResult process(const FrameInput& input);
 
   /// The same in steps, for frames that overlap: `begin`, `run_stage` of each stage in turn, `end`.
-  /// The steps of a frame run one after another, and each of them one frame after another; what
-  /// else they wait for says `rules`. From any thread.
+  /// The steps of a frame run one after another, and each of them one frame after another; `rules`
+  /// has all other conditions. From any thread.
   FrameResult begin(const FrameInput& input);
   void run_stage(std::size_t stage, FrameResult& result);
   void end(FrameResult& result);
@@ -46,13 +48,13 @@ class Executor {
   /// One a stage; behind the stages come the end of the frame and the sinks.
   std::vector<StepRule> rules() const;
 
-  /// The next frame is the first of a sequence: nothing is fed back to it. What components keep for
-  /// speed stays.
+  /// The next frame is the first of a sequence: nothing is fed back to it. State that components
+  /// keep for speed stays.
   void restart();
 
  private:
   struct Change {
-    std::uint64_t place;  ///< of the first frame for which it holds
+    std::uint64_t place;  ///< number of the first frame for which it holds
     std::shared_ptr<const StageConfig> config;
     MadeStage made;
   };
@@ -65,12 +67,12 @@ class Executor {
     MatchPlacer placer;
     host::SharedText name;
     host::SharedText not_called;        ///< why, in all frames in which its rule does not hold
-    host::SharedText not_called_cause;  ///< the same as the cause for who reads its outputs
+    host::SharedText not_called_cause;  ///< the same as the cause for stages that read its outputs
     bool is_kept = false;               ///< its calls are
     std::deque<Change> changes{};       ///< to come
   };
 
-  Executor(const PipelineConfig& config, const Graph& graph, host::Lane& lane,
+  Executor(const PipelineConfig& config, const Graph& graph, host::ExecutionContext& context,
            host::RecordPtr templ, host::RecordPtr camera, Sharing sharing);
   Stage stage_of(std::size_t index, MadeStage made) const;
   void change_until(std::uint64_t place, Stage& stage);
@@ -92,7 +94,7 @@ class Executor {
 
   const PipelineConfig& config_;
   const Graph& graph_;
-  host::Lane& lane_;
+  host::ExecutionContext& context_;
   host::RecordPtr template_;
   host::RecordPtr camera_;
   Points vertices_;  ///< where warps are sampled
@@ -100,8 +102,9 @@ class Executor {
   std::vector<Stage> stages_;
   std::vector<host::SharedText> absent_;  ///< why a value is, one for each, of what is no stage's
   History history_;
-  std::uint64_t begun_ = 0;           ///< [frames]
-  mutable std::mutex changes_mutex_;  ///< of what a stage is, for other threads than its own
+  std::uint64_t begun_ = 0;  ///< [frames]
+  mutable std::mutex
+      changes_mutex_;  ///< guards changes of stages, for other threads than their own
   std::int64_t frames_since_measured_ = 0;
 };
 

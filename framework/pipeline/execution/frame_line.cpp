@@ -86,7 +86,7 @@ void FrameLine::note(const Turn& turn, Answer answer) {
 /// No frame from here on is wanted; those whose step still runs are dropped when it is over.
 void FrameLine::drop_from(std::uint64_t frame) { end_ = std::min(end_, frame); }
 
-/// Takes away the frames that are through, and those behind the end that nobody works on.
+/// Takes away the frames that are through, and those behind the end that no thread works on.
 void FrameLine::retire() {
   while (!travellers_.empty() && travellers_.front().passed == rules_.size()) {
     travellers_.pop_front();

@@ -12,8 +12,8 @@
 
 namespace weft {
 
-/// What must be over before a frame may take a step, beside the steps before it and the same step
-/// of the frame before.
+/// Steps that must be over before a frame may take a step, beside the steps before it and the same
+/// step of the frame before.
 struct StepRule {
   /// [frames] That far back, a frame must be settled; 0: none. Steps that read `previous.T@lag`.
   int frames_back = 0;
@@ -22,12 +22,12 @@ struct StepRule {
   std::size_t busy_for = 0;
 };
 
-/// Frames on their way through the same steps, several at a time: each frame takes the steps one
-/// after another, each step takes the frames in their order and one at a time. What a step does can
-/// thus depend only on the frames before, not on how many threads there are.
+/// Frames on their way through the same steps, several at a time. Each frame takes the steps one
+/// after another, and each step takes the frames in their order and one at a time. The result of a
+/// step can thus depend only on the frames before, not on the number of threads.
 class FrameLine {
  public:
-  /// What a step said of its frame.
+  /// Outcome of a step for its frame.
   enum class Answer {
     passed,     ///< it goes on to the next step
     not_there,  ///< the sequence ended before it; the frames before it go on
@@ -40,9 +40,9 @@ class FrameLine {
   /// At most `frames_at_once` frames are on their way, at least 1.
   FrameLine(std::vector<StepRule> rules, std::size_t settled, std::size_t frames_at_once);
 
-  /// Takes frames through all steps, on this thread and `threads` - 1 more, until a step says that
-  /// there are no more. What a step throws ends it as `last` does, and is thrown again at the end;
-  /// of several, that of the first frame.
+  /// Takes frames through all steps, on this thread and `threads` - 1 more, until a step reports
+  /// that there are no more. An exception of a step ends it as `last` does, and is thrown again at
+  /// the end; of several, that of the first frame.
   void run(int threads, const Work& work);
 
  private:
@@ -51,8 +51,8 @@ class FrameLine {
     bool is_busy = false;
   };
   struct Turn {
-    std::size_t step;
-    std::uint64_t frame;
+    std::size_t step;     ///< [] index of the step
+    std::uint64_t frame;  ///< [] index of the frame
   };
 
   void travel(const Work& work);

@@ -9,7 +9,7 @@
 #include <weft/core/inline_vector.hpp>
 #include <weft/core/name.hpp>
 
-#include "host/calling/lane.hpp"
+#include "host/calling/execution_context.hpp"
 #include "host/records/npz.hpp"
 #include "pipeline/graph/graph.hpp"
 
@@ -22,21 +22,21 @@ const char* to_string(StageStatus status);
 /// Numbers by name: counts, scalar diagnostics.
 using NamedNumbers = host::PooledVector<std::pair<Name, double>>;
 
-/// What one stage, or one sink, came to in one frame.
+/// The outcome of one stage, or one sink, in one frame.
 struct StageReport {
   host::SharedText stage;
   StageStatus status = StageStatus::ok;
-  host::SharedText reason;           ///< of anything but ok; for skipped the first cause
+  host::SharedText reason;           ///< reason of any status but ok; for skipped the first cause
   host::Spent took;                  ///< nested components included
   NamedNumbers numbers;              ///< counts and scalar diagnostics
   bool shared = false;               ///< taken from another pipeline, see StageMemo
-  Errc code = Errc::no_result;       ///< of an error
-  double worker_processor_ms = 0.0;  ///< [] ms in `took` that are of workers
+  Errc code = Errc::no_result;       ///< code of an error
+  double worker_processor_ms = 0.0;  ///< [] ms in `took` that workers used
 };
 
-/// What enters the graph in one frame: the source's outputs, or why there are none.
+/// The inputs of the graph in one frame: the source's outputs, or why there are none.
 struct FrameInput {
-  std::uint64_t index = 0;
+  std::uint64_t index = 0;  ///< [] index of the frame
   host::NamedRecords records;
   std::string failure;               ///< empty when the source could read the frame
   std::uint64_t dropped_before = 0;  ///< frames between the last one and this one, never seen
@@ -49,24 +49,25 @@ struct FrameInput {
 struct GivenRecord {
   std::string slot;
   host::RecordPtr record;
-  std::string producer;  ///< of a warp: the stage that made it, whose component evaluates it
+  std::string
+      producer;  ///< producer of a warp: the stage that made it, whose component evaluates it
 };
 
 /// One call of a stage: all that went in and came out.
 struct StageCall {
   std::string stage;
-  std::uint64_t frame = 0;
-  std::vector<GivenRecord> inputs;
+  std::uint64_t frame = 0;          ///< [] index of the frame
+  std::vector<GivenRecord> inputs;  ///< [.] input records
   host::Outcome outcome;
 };
 
 struct FrameResult {
   FrameResult() = default;
-  /// Its lists stand in the pool.
+  /// Its lists are allocated in the pool.
   explicit FrameResult(const std::shared_ptr<host::MemoryPool>& pool)
       : stages(pool), values(pool), causes(pool), timings(pool), setup(pool) {}
 
-  std::uint64_t index = 0;
+  std::uint64_t index = 0;           ///< [] index of the frame
   std::uint64_t place = 0;           ///< frames of this executor that began before it
   std::uint64_t dropped_before = 0;  ///< see FrameInput
   std::string stem;
@@ -76,11 +77,11 @@ struct FrameResult {
   host::RecordPtr shape;                        ///< solved or predicted; null before the first one
   ShapeState state = ShapeState::none;
   std::int64_t age_frames = 0;        ///< [frames] since the shape was measured
-  host::Timings timings;              ///< of nested components too
-  std::vector<StageCall> calls;       ///< of the stages of Executor::keep_calls_of
-  NamedNumbers setup;                 ///< what it says of the run's set-up
-  std::string reason;                 ///< why the shape is less sure than its solver says
-  std::vector<std::string> warnings;  ///< of the set-up, found out by now
+  host::Timings timings;              ///< timings of nested components too
+  std::vector<StageCall> calls;       ///< calls of the stages in Executor::keep_calls_of
+  NamedNumbers setup;                 ///< estimates of the run's set-up
+  std::string reason;                 ///< why the shape is less certain than its solver reports
+  std::vector<std::string> warnings;  ///< warnings about the set-up, found out by now
   std::vector<std::string> changes;   ///< settings that hold from this frame on
 
   /// A frame is failed when a stage, the source or a sink had an error; no_result is none.

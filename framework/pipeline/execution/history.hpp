@@ -14,8 +14,8 @@
 
 namespace weft {
 
-/// What the graph may read back: for each type its record as it stood after each of the last
-/// frames, which is the last one produced until then.
+/// Records that the graph may read back: for each type the record after each of the last frames,
+/// which is the last one produced until then.
 class History {
  public:
   /// Keeps as many frames of each type as the graph looks back.
@@ -34,8 +34,8 @@ class History {
 
  private:
   struct Past {
-    std::size_t depth = 0;                ///< [frames]
-    std::vector<std::size_t> values;      ///< of Graph::values, those that become it
+    std::size_t depth = 0;            ///< [frames]
+    std::vector<std::size_t> values;  ///< indices into Graph::values of the values that become it
     std::vector<host::RecordPtr> frames;  ///< the latest first, none before the first record
   };
   mutable std::mutex mutex_;

@@ -26,9 +26,9 @@ Result<void> blame(Result<void> valid, const StageConfig& stage) {
 
 }  // namespace
 
-Result<PipelineInput> PipelineInput::open(const PipelineConfig& config, host::Lane& lane,
-                                          RecordPtr camera) {
-  PipelineInput input(config, lane);
+Result<PipelineInput> PipelineInput::open(const PipelineConfig& config,
+                                          host::ExecutionContext& context, RecordPtr camera) {
+  PipelineInput input(config, context);
   auto opened = camera == nullptr ? input.open_source() : input.use_camera(std::move(camera));
   if (!opened) return opened.error();
   if (auto built = input.build_template(); !built) return built.error();
@@ -37,15 +37,15 @@ Result<PipelineInput> PipelineInput::open(const PipelineConfig& config, host::La
 
 Result<void> PipelineInput::open_source() {
   const StageConfig& source = *config_->source;
-  const auto instance = instantiate(*lane_, source, source.component);
+  const auto instance = instantiate(*context_, source, source.component);
   if (!instance) return instance.error();
   source_ = *instance;
-  auto camera = output_of(lane_->call(*source_, kOpenSource, {}, host::kOfflineFrame), "camera");
+  auto camera = output_of(context_->call(*source_, kOpenSource, {}, host::kOfflineFrame), "camera");
   if (!camera) return camera.error();
   camera_ = *std::move(camera);
   if (auto valid = blame(check_camera(*camera_), source); !valid) return valid;
   const auto count =
-      output_of(lane_->call(*source_, kCountFrames, {}, host::kOfflineFrame), "count");
+      output_of(context_->call(*source_, kCountFrames, {}, host::kOfflineFrame), "count");
   if (!count) return count.error();
   const auto counted = host::view_as<Count>(**count);
   frames_ = counted->frames;
@@ -62,19 +62,19 @@ Result<void> PipelineInput::use_camera(RecordPtr camera) {
 
 Result<void> PipelineInput::build_template() {
   const StageConfig& templ = *config_->templ;
-  const auto builder = instantiate(*lane_, templ, templ.component);
+  const auto builder = instantiate(*context_, templ, templ.component);
   if (!builder) return builder.error();
-  const Outcome outcome = lane_->call(**builder, kBuildTemplate, {}, host::kOfflineFrame);
+  const Outcome outcome = context_->call(**builder, kBuildTemplate, {}, host::kOfflineFrame);
   auto built = output_of(outcome, "template");
   if (!built) return built.error();
   template_ = *std::move(built);
-  if (templ.isolation) lane_->discard(**builder);  // its process has nothing more to do
-  placer_.emplace(template_, lane_->memory());
+  if (templ.isolation) context_->discard(**builder);  // its process has nothing more to do
+  placer_.emplace(template_, context_->memory());
   if (auto legal = blame(check_template(*template_), templ); !legal) return legal;
   for (const std::string& doubt :
        {outcome.error.message,
         size_doubt_of(*template_, host::length_parameter(templ.component))}) {
-    if (!doubt.empty()) lane_->warn(templ.name, doubt);
+    if (!doubt.empty()) context_->warn(templ.name, doubt);
   }
   return {};
 }
@@ -99,7 +99,7 @@ Result<RecordPtr> PipelineInput::completed(const RecordPtr& record) {
 }
 
 Outcome PipelineInput::read_checked(std::uint64_t index) {
-  Outcome read = lane_->call(*source_, kReadFrame, {}, index);
+  Outcome read = context_->call(*source_, kReadFrame, {}, index);
   for (auto& [slot, record] : read.outputs) {
     auto fits = completed(record);
     if (!fits) {
@@ -112,7 +112,7 @@ Outcome PipelineInput::read_checked(std::uint64_t index) {
 }
 
 std::optional<PipelineInput::Frame> PipelineInput::read(std::uint64_t index) {
-  const host::Stopwatch watch = lane_->stopwatch();
+  const host::Stopwatch watch = context_->times().stopwatch();
   Outcome read = read_checked(index);
   const host::Spent took = watch.spent();
   if (read.status == WEFT_END) return std::nullopt;
@@ -120,7 +120,7 @@ std::optional<PipelineInput::Frame> PipelineInput::read(std::uint64_t index) {
 }
 
 Result<PipelineInput::Frame> PipelineInput::take(std::uint64_t index, host::NamedRecords records) {
-  const host::Stopwatch watch = lane_->stopwatch();
+  const host::Stopwatch watch = context_->times().stopwatch();
   for (auto& [slot, record] : records) {
     auto fits = completed(record);
     if (!fits) return Error{fits.error().code, fits.error().message, slot};
@@ -131,7 +131,7 @@ Result<PipelineInput::Frame> PipelineInput::take(std::uint64_t index, host::Name
 
 PipelineInput::Frame PipelineInput::frame_of(std::uint64_t index, Outcome read,
                                              host::Spent took) const {
-  Frame frame{{index, {}, {}}, report_of(source_name_, read, took, lane_->memory())};
+  Frame frame{{index, {}, {}}, report_of(source_name_, read, took, context_->memory())};
   for (const auto& [slot, record] : read.outputs) add_numbers(*record, frame.report);
   if (!read.usable()) frame.input.failure = read.error.message;
   frame.input.records = std::move(read.outputs);

@@ -11,9 +11,9 @@ namespace weft {
 /// enters them in every frame.
 class PipelineInput {
  public:
-  /// Opens the source and builds the template; both are checked. With a camera, which the lane has
-  /// admitted, no source is opened: frames are handed in.
-  static Result<PipelineInput> open(const PipelineConfig& config, host::Lane& lane,
+  /// Opens the source and builds the template; both are checked. With a camera, which the execution
+  /// context has admitted, no source is opened: frames are handed in.
+  static Result<PipelineInput> open(const PipelineConfig& config, host::ExecutionContext& context,
                                     host::RecordPtr camera = nullptr);
 
   const host::RecordPtr& templ() const { return template_; }
@@ -25,21 +25,21 @@ class PipelineInput {
 
   struct Frame {
     FrameInput input;
-    StageReport report;  ///< of the source
+    StageReport report;  ///< report of the source
   };
 
-  /// One frame, or nothing where a source of unknown length has come to its end. What the source
-  /// gave must fit the template and the camera; its matches are completed, see Correspondences.
+  /// One frame, or nothing where a source of unknown length has come to its end. The records of the
+  /// source must fit the template and the camera; its matches are completed, see Correspondences.
   std::optional<Frame> read(std::uint64_t index);
 
-  /// A frame of records that the lane has admitted, held to the same rules. The Error names the
-  /// slot of the one that does not fit.
+  /// A frame of records that the execution context has admitted, held to the same rules. The Error
+  /// names the slot of the one that does not fit.
   Result<Frame> take(std::uint64_t index, host::NamedRecords records);
 
  private:
-  PipelineInput(const PipelineConfig& config, host::Lane& lane)
+  PipelineInput(const PipelineConfig& config, host::ExecutionContext& context)
       : config_(&config),
-        lane_(&lane),
+        context_(&context),
         source_name_(config.source ? config.source->name : "sources") {}
   Result<void> open_source();
   Result<void> use_camera(host::RecordPtr camera);
@@ -49,7 +49,7 @@ class PipelineInput {
   Result<host::RecordPtr> completed(const host::RecordPtr& record);
 
   const PipelineConfig* config_;
-  host::Lane* lane_;
+  host::ExecutionContext* context_;
   host::SharedText source_name_;
   host::Instance* source_ = nullptr;
   host::RecordPtr camera_;

@@ -11,7 +11,7 @@ namespace weft {
 struct MatchDepths {
   static constexpr const char* kType = "match_depths/1";
   Array<float> depth_m;  ///< [N] m along the optical axis, 0 where it is not known
-  Others others = {};    ///< what else the record has
+  Others others = {};    ///< other columns of the record
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

@@ -6,11 +6,12 @@
 
 namespace weft {
 
-/// What a component warned of, such as a device that is absent.
+/// A warning of a component, such as an absent device.
 struct RunWarning {
   std::string component;  ///< "detectors", "filters/warp"
   std::string text;
-  std::int64_t frames = 0;  ///< in so many; 0 where it warned before the first frame only
+  std::int64_t frames =
+      0;  ///< number of frames with it; 0 if it warned before the first frame only
 };
 
 }  // namespace weft

@@ -9,10 +9,10 @@ namespace weft {
 using host::Instance;
 using host::RecordPtr;
 
-Result<Instance*> instantiate(host::Lane& lane, const StageConfig& stage,
+Result<Instance*> instantiate(host::ExecutionContext& context, const StageConfig& stage,
                               const host::ComponentSpec& component) {
-  return stage.isolation ? lane.instantiate_isolated(component, stage.name, *stage.isolation)
-                         : lane.instantiate(component, stage.name);
+  return stage.isolation ? context.instantiate_isolated(component, stage.name, *stage.isolation)
+                         : context.instantiate(component, stage.name);
 }
 
 Result<MadeStage> StageMaker::make(const StageConfig& stage) const {
@@ -21,27 +21,27 @@ Result<MadeStage> StageMaker::make(const StageConfig& stage) const {
   if (!rules_of(stage.role).sees_texture) return MadeStage{*instance, nullptr};
   auto keypoints = keypoints_of(stage, **instance);
   if (keypoints) return MadeStage{*instance, *std::move(keypoints)};
-  lane.discard(**instance);
+  context.discard(**instance);
   return keypoints.error();
 }
 
 Result<Instance*> StageMaker::prepared(const StageConfig& stage,
                                        const host::ComponentSpec& component) const {
-  const auto instance = instantiate(lane, stage, component);
+  const auto instance = instantiate(context, stage, component);
   if (!instance) return instance.error();
-  const auto ready = lane.prepare(**instance, *templ, *camera);
+  const auto ready = context.prepare(**instance, *templ, *camera);
   if (ready) return *instance;
-  lane.discard(**instance);
+  context.discard(**instance);
   return ready.error();
 }
 
-/// By the component with `template_params`, where the stage has these.
+/// Uses the component with `template_params`, where the stage has these.
 Result<RecordPtr> StageMaker::keypoints_of(const StageConfig& stage, Instance& instance) const {
   if (!stage.on_template) return keypoints_by(stage, instance);
   const auto own = prepared(stage, *stage.on_template);
   if (!own) return own.error();
   auto keypoints = keypoints_by(stage, **own);
-  lane.discard(**own);
+  context.discard(**own);
   return keypoints;
 }
 
@@ -49,7 +49,7 @@ Result<RecordPtr> StageMaker::keypoints_by(const StageConfig& stage, Instance& i
   const auto texture = texture_input(*templ);
   if (!texture) return texture.error();
   const weft_record inputs[] = {texture->image->view("image"), texture->region->view("region")};
-  const host::Outcome outcome = lane.call(instance, kRunStage, inputs, host::kOfflineFrame);
+  const host::Outcome outcome = context.call(instance, kRunStage, inputs, host::kOfflineFrame);
   const std::string id = stage.component.component().id;
   if (!outcome.usable()) return Error{outcome.error.code, outcome.error.message, id};
   auto located = locate_on_template(*outcome.find("keypoints"), *templ);

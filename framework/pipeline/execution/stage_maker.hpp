@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "host/calling/lane.hpp"
+#include "host/calling/execution_context.hpp"
 #include "pipeline/execution/stage_memo.hpp"
 #include "pipeline/graph/graph.hpp"
 
 namespace weft {
 
 /// Makes a component of a pipeline where that says: here or in a process of its own.
-Result<host::Instance*> instantiate(host::Lane& lane, const StageConfig& stage,
+Result<host::Instance*> instantiate(host::ExecutionContext& context, const StageConfig& stage,
                                     const host::ComponentSpec& component);
 
 /// Makes stages of a pipeline ready for their first frame.
 struct StageMaker {
-  host::Lane& lane;
+  host::ExecutionContext& context;
   host::RecordPtr templ, camera;
 
-  /// Instantiates and prepares the component; a detector runs on the template's texture. What was
-  /// made until an error is destroyed.
+  /// Instantiates and prepares the component; a detector runs on the template's texture. On an
+  /// error, everything made so far is destroyed.
   Result<MadeStage> make(const StageConfig& stage) const;
 
  private:

@@ -15,15 +15,15 @@ struct MadeStage {
   host::RecordPtr template_keypoints;  ///< detectors only
 };
 
-/// What a stage came to in one frame.
+/// Outcome of a stage in one frame.
 struct StageAnswer {
   StageReport report;
   std::vector<host::RecordPtr> outputs;  ///< null where absent
   std::vector<host::SharedText> causes;  ///< one for each output
 };
 
-/// What pipelines that run in step, in one lane, take from one another. A stage is known by its
-/// key: equal keys promise equal work.
+/// What pipelines that run in step, in one execution context, take from one another. A stage is
+/// known by its key: equal keys promise equal work.
 class StageMemo {
  public:
   /// Forgets the answers; the stages stay made.

@@ -11,11 +11,11 @@ namespace weft {
 namespace {
 
 constexpr int kLongestLag = 1000;  // [frames]
-constexpr int kRefused = -2;       // instead of a value: nothing is to be said of it
+constexpr int kRefused = -2;       // instead of a value: no further message is needed
 constexpr std::string_view kPrevious = "previous.";
-constexpr const char* kTold[] = {"frame_report", "run_settings"};  // what the host says to sinks
+constexpr const char* kOfHost[] = {"frame_report", "run_settings"};  // what the host says to sinks
 
-/// Sources have a choice; they say what they produce. A program gives an image and its time.
+/// Sources have a choice and declare their outputs. A program gives an image and its time.
 bool may_enter(const PipelineConfig& config, const std::string& slot) {
   if (config.in_program) return slot == "image" || slot == "time";
   if (!config.source || config.source->component.installed == nullptr) return true;
@@ -47,16 +47,16 @@ class Wiring {
       graph_.stages.push_back(std::move(node));
     }
     reader_ = config_.stages.size();
-    for (const char* told : kTold) add(told, -1, "host");
+    for (const char* slot : kOfHost) add(slot, -1, "host");
     for (const StageConfig& sink : config_.sinks) graph_.sinks.push_back(connect(sink));
     // In a program the sinks are not known, which may read what no stage does.
-    const bool readers_known = !config_.doubtful_names && !config_.in_program;
+    const bool readers_known = !config_.unclear_names && !config_.in_program;
     if (readers_known) refuse_unread(config_, graph_, open_, problems_);
     return std::move(graph_);
   }
 
  private:
-  /// What a stage of an unknown plugin may make, from here on.
+  /// Possible outputs of a stage of an unknown plugin, from here on.
   void may_make(const std::string& role, const std::string& before) {
     const bool is_open = role.empty() || rules_of(role).is_open;
     vendors_make_more_ = vendors_make_more_ || is_open;
@@ -89,13 +89,13 @@ class Wiring {
     }
   }
 
-  /// Whether `from` cannot be understood, which has been reported.
+  /// True if `from` has an error, which has been reported.
   static bool has_broken_rule(const StageConfig& stage) {
     return std::any_of(stage.from.begin(), stage.from.end(),
                        [](const FromRule& rule) { return rule.names.empty(); });
   }
 
-  /// Whether `from` names an input that the stage does not have: it may mean any.
+  /// True if `from` names an input that the stage does not have: it may mean any.
   static bool has_stray_rule(const StageConfig& stage, const std::vector<Demand>& demands) {
     return std::any_of(stage.from.begin(), stage.from.end(), [&](const FromRule& rule) {
       return std::none_of(demands.begin(), demands.end(),
@@ -137,7 +137,8 @@ class Wiring {
     const std::vector<Demand> demands = demands_of(stage, rules_of(stage).main_method(), problems_);
     check_from(stage, demands);
     for (const Demand& demand : demands) {
-      // Who reads other things too takes matches for evidence, of which the latest will do.
+      // A stage that also reads other things takes matches as evidence, and the latest are
+      // sufficient.
       const bool unites = takes_several(stage, demand.slot) && demands.size() == 1;
       if (unites && chosen(stage, demand.slot) == nullptr && !has_broken_rule(stage)) {
         if (may_be_made(demand.slot) || stage.component.installed == nullptr) continue;
@@ -164,7 +165,7 @@ class Wiring {
   /// The stages on which it depends whether this one is called.
   void find_conditions(const StageConfig& stage, Node& node) {
     if (!stage.when) return;
-    if (!stage.when->is_understood) open_.conditions = true;
+    if (stage.when->unclear) open_.conditions = true;
     for (const auto& [name, at] : stage.when->not_ok) {
       const std::string mistake = wrong_condition(config_, stage, name);
       if (mistake.empty()) {
@@ -202,7 +203,7 @@ class Wiring {
     }
   }
 
-  /// What is given twice would count twice.
+  /// A value that is given twice would count twice.
   void refuse_twice(const FromRule& rule) {
     const std::set<std::string> names(rule.names.begin(), rule.names.end());
     if (names.size() == rule.names.size()) return;
@@ -231,7 +232,7 @@ class Wiring {
     }
     std::vector<int> values;
     for (const std::string& name : rule->names) {
-      // In place of the previous value a stage may take one of this frame, to refine it.
+      // Instead of the previous value a stage may take one of this frame, to refine it.
       const std::string made = slot.substr(slot.starts_with(kPrevious) ? kPrevious.size() : 0);
       const int value = name.starts_with(kPrevious) ? earlier(*rule, name) : named(made, name);
       if (value >= 0) values.push_back(value);
@@ -245,7 +246,7 @@ class Wiring {
     return values;
   }
 
-  /// Whether a name may be that of a stage of an unknown plugin, or of one whose name is not known.
+  /// True if a name may be that of a stage of an unknown plugin, or of one whose name is not known.
   bool is_open(const std::string& name) const {
     const auto named = [&](const StageConfig& stage) { return stage.name == name; };
     const auto& stages = config_.stages;
@@ -260,7 +261,7 @@ class Wiring {
     const bool known = std::any_of(graph_.values.begin(), graph_.values.end(),
                                    [&](const ValueInfo& value) { return value.name == name; }) ||
                        std::any_of(config_.sinks.begin(), config_.sinks.end(), named);
-    return !known && (unnamed || config_.doubtful_names);
+    return !known && (unnamed || config_.unclear_names);
   }
 
   /// The value of "previous.TYPE@k", for an input of that type.
@@ -313,7 +314,7 @@ class Wiring {
   const PipelineConfig& config_;
   const host::Registry& registry_;
   std::vector<yaml::Problem>& problems_;
-  std::set<std::string> perhaps_;   ///< what an unknown plugin may have made so far
+  std::set<std::string> perhaps_;   ///< values that an unknown plugin may have made so far
   bool vendors_make_more_ = false;  ///< likewise, records of vendors
   OpenReading open_;
   std::size_t reader_ = 0;  ///< the stage that is being connected; behind the last for sinks

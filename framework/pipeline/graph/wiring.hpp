@@ -12,25 +12,25 @@
 
 namespace weft {
 
-/// The values that a component adds to the graph. Sources and passes have a choice and say it.
+/// The values that a component adds to the graph. Sources and passes have a choice and declare it.
 std::vector<std::string> products_of(const host::ComponentManifest& component);
 
-/// The same of a stage, as far as its role alone tells it where the plugin is not known.
+/// The same for a stage, as far as its role alone determines it if the plugin is unknown.
 std::optional<Words> products_of(const StageConfig& stage);
 
 /// What its role means to the host, with its component's own slots where the role leaves them open.
 const RoleRules& rules_of(const StageConfig& stage);
 
-/// Whether the plugin and all that are nested in it are known.
+/// True if the plugin and all that are nested in it are known.
 bool is_known(const host::ComponentSpec& spec);
 
-/// What a component is given: `required` or used when present.
+/// An input of a component: `required` or used when present.
 struct Demand {
   std::string slot;
   bool required;
 };
 
-/// What the component of a stage and those nested in it want of what its role is offered.
+/// The inputs that the component of a stage and those nested in it use.
 std::vector<Demand> demands_of(const StageConfig& stage, const RoleMethod& offered,
                                std::vector<yaml::Problem>& problems);
 
@@ -41,14 +41,14 @@ struct OpenReading {
   bool conditions = false;            ///< any stage may be one that another one's `when` names
 };
 
-/// That a required input is missing, why, and what could produce it.
+/// Message about a missing required input: why, and what could produce it.
 std::string missing_input(const PipelineConfig& config, const host::Registry& registry,
                           const std::string& id, const std::string& slot);
 
 /// That something of the frame before is not there, because frames are no sequence.
 std::string without_sequence(const std::string& what);
 
-/// Why `reader` cannot take `slot` from `name`; `graph` holds what stands before it.
+/// Why `reader` cannot take `slot` from `name`; `graph` has the stages before it.
 std::string wrong_name(const PipelineConfig& config, const Graph& graph, const StageConfig& reader,
                        const std::string& slot, const std::string& name);
 
@@ -57,7 +57,7 @@ std::string wrong_name(const PipelineConfig& config, const Graph& graph, const S
 std::string other_record(const StageConfig& reader, const std::string& slot,
                          const StageConfig& maker);
 
-/// Why `reader` cannot ask what became of the stage `name`; empty where it can.
+/// Why `reader` cannot use the outcome of the stage `name`; empty if it can.
 std::string wrong_condition(const PipelineConfig& config, const StageConfig& reader,
                             const std::string& name);
 
@@ -65,8 +65,8 @@ std::string wrong_condition(const PipelineConfig& config, const StageConfig& rea
 std::string nothing_to_unite(const Graph& graph, const StageConfig& reader,
                              const std::string& slot);
 
-/// Appends a mistake for each stage whose work is lost, in a pipeline that makes a shape. Without a
-/// solver a pipeline is there for its stages: what they make is recorded and measured.
+/// Appends an error for each stage whose work is lost, in a pipeline that makes a shape. A pipeline
+/// without a solver exists for its stages: their outputs are recorded and measured.
 void refuse_unread(const PipelineConfig& config, const Graph& graph, const OpenReading& open,
                    std::vector<yaml::Problem>& problems);
 

@@ -30,7 +30,7 @@ class Demands {
     for (const RoleSlot& input : method.inputs) {
       if (input.required) want(component, input.name, true, nested);
     }
-    // What a later version reads where it is there, this one does not have.
+    // A newer library may read inputs that this version does not have.
     const bool is_newer = spec.installed->library->abi_minor > WEFT_ABI_MINOR;
     for (const std::string& slot : component.needs) want(component, slot, true, nested);
     for (const std::string& slot : component.reads) {
@@ -62,7 +62,7 @@ class Demands {
     demands_.push_back({slot, required && !slot.starts_with("previous.")});
   }
 
-  /// Of a stage whose plugins are not all known, what `from` chooses is taken for a demand.
+  /// For a stage with unknown plugins, the choices of `from` count as demands.
   void add_chosen() {
     for (const FromRule& rule : stage_.from) {
       const bool known = std::any_of(demands_.begin(), demands_.end(), [&](const Demand& demand) {

@@ -9,7 +9,7 @@
 namespace weft {
 namespace {
 
-/// Whether a component makes values of this slot out of others. Filters only mark what is there.
+/// True if a component makes values of this slot out of others. Filters only mark existing values.
 bool can_make(const host::ComponentManifest& component, const std::string& slot) {
   return !rules_of(component.role()).marks && contains(products_of(component), slot);
 }
@@ -32,7 +32,7 @@ std::string comes_later(const std::string& name, const StageConfig& reader) {
   return "'" + name + "' comes later; move it up, before '" + reader.name + "'";
 }
 
-/// What is said of a name that no stage bears, empty where nothing is known of it.
+/// Message about a name that no stage bears, empty if nothing is known of it.
 std::string no_stage(const PipelineConfig& config, const std::string& name) {
   for (const StageConfig& sink : config.sinks) {
     if (sink.name == name) return "'" + name + "' is a sink, which makes nothing to be read";
@@ -43,7 +43,7 @@ std::string no_stage(const PipelineConfig& config, const std::string& name) {
   return {};
 }
 
-/// What is said of a stage that stands at or behind the reader, empty when there is none.
+/// Message about a stage at or behind the reader, empty when there is none.
 std::string later_stage(const PipelineConfig& config, const StageConfig& reader,
                         const std::string& slot, const std::string& name) {
   for (const StageConfig& stage : config.stages) {

@@ -33,7 +33,7 @@ class Readers {
     return !outputs.empty() && std::none_of(outputs.begin(), outputs.end(), read);
   }
 
-  /// What is to be said of a stage that is lost; `fix` says how to leave it out.
+  /// Message about a stage whose outputs are lost; `fix` describes how to omit it.
   std::string complaint(std::size_t stage, const std::string& fix) const {
     const std::vector<int>& outputs = graph_.stages[stage].outputs;
     const auto late = std::find_if(outputs.begin(), outputs.end(),
@@ -52,7 +52,7 @@ class Readers {
  private:
   const ValueInfo& info(int value) const { return graph_.values[to_index(value)]; }
 
-  /// Whether it depends on this stage which others are called.
+  /// True if this stage determines which others are called.
   bool decides(int stage) const {
     for (std::size_t i = 0; i < graph_.stages.size(); ++i) {
       const std::vector<int>& asked = graph_.stages[i].not_ok;
@@ -91,10 +91,10 @@ class Readers {
            (open_.before && info(value).stage < static_cast<int>(*open_.before));
   }
 
-  /// The run folder takes shapes, of several solvers those of the last that gives one, and
-  /// registrations, which are measured for a reader; what is fed back is likewise the last that was
-  /// made. A pipeline of films that takes unordered images has no frame that a visibility is fed
-  /// back to: its run folder takes it.
+  /// The run folder takes shapes and registrations. If several solvers give shapes, it takes those
+  /// of the last one. Registrations are measured for a reader. Records that are fed back are
+  /// likewise the last that were made. A pipeline of films that takes unordered images has no frame
+  /// that a visibility is fed back to: its run folder takes it.
   bool is_read(int value) const {
     const std::string& slot = info(value).slot;
     if (slot == "shape" || slot == "registration" || fed_back_.count("previous." + slot) > 0)

@@ -5,12 +5,12 @@
 
 namespace weft {
 
-/// By what a set-up may deviate from what is said of it: the focal lengths are fx exp(focal -
-/// aspect) and fy exp(focal + aspect), the lens moves a point at radius r, in normalised
-/// coordinates, to r (1 + lens r^2), the principal point is off by (fx centre_x, fy centre_y), and
-/// lengths on the template are 1 + keystone_x x + keystone_y y + barrel (x^2 + y^2) times as long,
-/// x and y from -1 to 1 over the texture. The last three are there because no template is exact to
-/// a per cent, and a keystone looks like the perspective of a flat sheet, a barrel like a lens.
+/// Deviations of a set-up from its description. The focal lengths are fx exp(focal - aspect) and fy
+/// exp(focal + aspect). The lens moves a point at radius r, in normalised coordinates, to r (1 +
+/// lens r^2). The principal point is off by (fx centre_x, fy centre_y). Lengths on the template are
+/// 1 + keystone_x x + keystone_y y + barrel (x^2 + y^2) times as long, x and y from -1 to 1 over
+/// the texture. The last three are there because no template is exact to a per cent: a keystone
+/// looks like the perspective of a flat surface, a barrel like a lens.
 enum Part : std::uint8_t {
   kFocal,
   kAspect,
@@ -21,11 +21,10 @@ enum Part : std::uint8_t {
   kKeystoneY,
   kBarrel
 };
-/// What frames say of the deviation; frames add up. Beside it stands a strain of the surface, the
-/// rival explanation, which is 0 unless free_strain() says otherwise: edges along the width are
-/// 1 + strain(0) times as long, those along the height 1 - strain(0) times, and those along the
-/// diagonal 1 + strain(1) times. A strain that is the same in all directions is a matter of scale,
-/// which no image shows.
+/// Evidence of frames about the deviation; frames add up. A strain of the surface is the rival
+/// explanation; it is 0 unless free_strain() sets it. Edges along the width are 1 + strain(0) times
+/// as long, those along the height 1 - strain(0) times, and those along the diagonal 1 + strain(1)
+/// times. A strain that is the same in all directions is a matter of scale, which no image shows.
 struct CameraEvidence {
   PartMatrix information = PartMatrix::Zero();  ///< inverse covariance of the deviation
   PartVector weighted = PartVector::Zero();     ///< information times deviation
@@ -41,7 +40,7 @@ struct CameraEvidence {
     strain_weighted += other.strain_weighted;
   }
 
-  /// Adds what the equations say of the strain. They are solved, at that deviation.
+  /// Adds the evidence of the equations about the strain. They are solved, at that deviation.
   void add_strain(const NormalEquations& equations, const PartVector& deviation);
 
   /// What is left when the surface may have a strain of that standard deviation. What is said of a
@@ -49,7 +48,7 @@ struct CameraEvidence {
   CameraEvidence free_strain(double std) const;
 };
 
-/// What is believed of a deviation before any frame is seen: 0, give or take these.
+/// Prior of a deviation before any frame is seen: 0, with these standard deviations.
 inline PartVector prior_std() {
   return (PartVector() << 0.7, 0.3, 0.5, 0.1, 0.1, 0.01, 0.01, 0.01).finished();
 }

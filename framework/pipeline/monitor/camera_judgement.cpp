@@ -33,11 +33,11 @@ class Judge {
 
   std::vector<CameraFault> faults() {
     const double aspect = 0.5 * kAspect_share, lens = kLens_px / px_per_k1_;
-    const bool proportions = stands_out(kept_, kAspect, aspect);
-    const bool focal = stands_out(kept_, kFocal, kFocal_share);
+    const bool proportions = is_significant(kept_, kAspect, aspect);
+    const bool focal = is_significant(kept_, kFocal, kFocal_share);
     // Of two that are found at once, the one that no stretch explains.
-    const bool only_focal = focal && stands_out(stretched_, kFocal, kFocal_share) &&
-                            !stands_out(stretched_, kAspect, aspect);
+    const bool only_focal = focal && is_significant(stretched_, kFocal, kFocal_share) &&
+                            !is_significant(stretched_, kAspect, aspect);
     if (proportions && !only_focal) {
       add("proportions", proportions_claim(), ": measure the template and calibrate the camera",
           {{kAspect, aspect}});
@@ -51,7 +51,7 @@ class Judge {
               focal_advice(),
           {{kFocal, kFocal_share}});
     }
-    if (stands_out(kept_, kLens, lens)) {
+    if (is_significant(kept_, kLens, lens)) {
       add("lens", "the lens seems to bend straight lines",
           ", by " + fixed(std::abs(mean(kLens)) * px_per_k1_, 1) +
               " px at the farthest match (k1 = " + fixed(mean(kLens), 2) + " +- " +
@@ -59,7 +59,8 @@ class Judge {
               " beyond what the camera file says): calibrate its distortion",
           {{kLens, lens}});
     }
-    if (stands_out(kept_, kCentreX, kCentre_share) || stands_out(kept_, kCentreY, kCentre_share)) {
+    if (is_significant(kept_, kCentreX, kCentre_share) ||
+        is_significant(kept_, kCentreY, kCentre_share)) {
       add("principal point",
           "the principal point seems to lie " +
               centre(kCentreX, camera_.fx, "left of", "right of") + " and " +
@@ -78,7 +79,7 @@ class Judge {
 
   double mean(Part part) const { return kept_.mean(part); }
 
-  static bool stands_out(const CameraDeviation& found, Part part, double least) {
+  static bool is_significant(const CameraDeviation& found, Part part, double least) {
     return std::abs(found.mean(part)) > std::max(least, kSure * found.stds()(part));
   }
 
@@ -93,7 +94,7 @@ class Judge {
            const std::vector<Limit>& limits) {
     CameraFault fault{kind, claim, claim + advice, false, 1.0};
     for (const Limit& limit : limits) {
-      fault.is_sure = fault.is_sure || stands_out(stretched_, limit.part, limit.least);
+      fault.is_sure = fault.is_sure || is_significant(stretched_, limit.part, limit.least);
       fault.fine = std::min(fault.fine, fine(limit));
     }
     if (!fault.is_sure) {

@@ -8,7 +8,7 @@
 
 namespace weft {
 
-/// By what the camera that is given deviates from the one that frames were taken with.
+/// Deviations of the given camera from the one that took the frames.
 struct CameraFault {
   std::string kind;   ///< "focal length"
   std::string claim;  ///< "the focal length seems to be 0.77 (+- 0.02) times the one given"
@@ -17,7 +17,7 @@ struct CameraFault {
   double fine;        ///< [] probability that the deviation is too small to matter; below 0.5
 };
 
-/// What all frames together say: deviations that matter, by at least four standard deviations.
+/// Evidence of all frames together: deviations that matter, by at least four standard deviations.
 /// `radius` is that of the farthest match, X / Z.
 std::vector<CameraFault> camera_faults(const std::vector<CameraEvidence>& frames,
                                        const Camera& camera, double radius);

@@ -9,13 +9,13 @@
 namespace weft {
 namespace {
 
-/// What many frames have in common does not average out: by a mesh that is not quite the surface, a
-/// template that is not quite the object. Standard deviations of focal, aspect, lens and centre.
+/// Errors that many frames have in common do not average out: the mesh is not quite the surface,
+/// the template not quite the object. Standard deviations of focal, aspect, lens and centre.
 constexpr double kCommon[] = {0.015, 0.005, 0.02, 0.01, 0.01};
 
 /// Half of by how much more a surface may be stretched in one direction than across it, standard
 /// deviations: of all frames alike, and of each by itself. Four of them are 16 %.
-constexpr double kHeldStretch = 0.02, kOwnStretch = 0.02;
+constexpr double kFixedStretch = 0.02, kOwnStretch = 0.02;
 
 CameraDeviation joint(const CameraEvidence& sum, const std::vector<CameraEvidence>& frames) {
   CameraDeviation deviation = CameraDeviation::of(sum);
@@ -44,8 +44,8 @@ CameraDeviation joint_deviation(const std::vector<CameraEvidence>& frames) {
 
 CameraDeviation joint_beside_strain(std::vector<CameraEvidence> frames) {
   for (CameraEvidence& frame : frames) frame = frame.free_strain(kOwnStretch);
-  const CameraEvidence sum = sum_of(frames).free_strain(kHeldStretch);
-  for (CameraEvidence& frame : frames) frame = frame.free_strain(kHeldStretch);
+  const CameraEvidence sum = sum_of(frames).free_strain(kFixedStretch);
+  for (CameraEvidence& frame : frames) frame = frame.free_strain(kFixedStretch);
   return joint(sum, frames);
 }
 

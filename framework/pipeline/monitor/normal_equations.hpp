@@ -9,7 +9,7 @@
 
 namespace weft {
 
-/// By what a set-up may deviate from what is said of it, see SelfCalibration.
+/// Deviations of a set-up from its description, see SelfCalibration.
 inline constexpr int kParts = 8;
 using PartVector = Eigen::Matrix<double, kParts, 1>;
 using PartMatrix = Eigen::Matrix<double, kParts, kParts>;
@@ -20,9 +20,8 @@ using StrainVector = Eigen::Matrix<double, kStrains, 1>;
 using StrainMatrix = Eigen::Matrix<double, kStrains, kStrains>;
 using PartsByStrains = Eigen::Matrix<double, kParts, kStrains>;
 
-/// The normal equations of the vertices of a mesh (3 V unknowns) and of a deviation, of which each
-/// step adds the same blocks in the same order: once the first has been solved, nothing is
-/// allocated.
+/// The normal equations of the vertices of a mesh (3 V unknowns) and of a deviation. Each step adds
+/// the same blocks in the same order: once the first has been solved, nothing is allocated.
 class NormalEquations {
  public:
   using Mixed = Eigen::Matrix<double, Eigen::Dynamic, kParts>;
@@ -54,8 +53,8 @@ class NormalEquations {
 
  private:
   struct Added {
-    Eigen::Index row, column;
-    double value;
+    Eigen::Index row, column;  ///< [] position in the matrix
+    double value;              ///< unit of the matrix entry
   };
   /// Factorises what is in its order already.
   class Factor : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Upper,
@@ -70,8 +69,8 @@ class NormalEquations {
   void lay_out();
 
   Eigen::Index unknowns_ = 0;
-  std::vector<Added> first_;         ///< what was added in the first step
-  std::vector<std::size_t> places_;  ///< of each addition, among the values of the matrix
+  std::vector<Added> first_;         ///< blocks of the first step
+  std::vector<std::size_t> places_;  ///< position of each addition among the values of the matrix
   std::size_t added_ = 0;            ///< in this step
   /// From the order of the vertices to one in which few zeros fill up.
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order_, back_;

@@ -80,7 +80,7 @@ CoherentRejects RejectedMatches::look(const Correspondences& matches) {
   choose(matches, stride);
   CoherentRejects found;
   if (template_px_.size() <= kNeighbours || kept_px_.empty()) return found;
-  // What was kept reaches as far as a twelfth of what it covers.
+  // The kept matches reach as far as a twelfth of what they cover.
   const double reach_px = diagonal_px(kept_px_) / 12.0;
   for (std::size_t i = 0; i < template_px_.size(); ++i) {
     if (!is_coherent(i)) continue;

@@ -9,7 +9,7 @@
 
 namespace weft {
 
-/// Of the matches that filters rejected, those that agree with each other.
+/// The rejected matches of filters that agree with each other.
 struct CoherentRejects {
   int count = 0;      ///< [] that lie among the same neighbours in the texture and in the image
   int elsewhere = 0;  ///< [] of them, where nothing of the texture was kept

@@ -14,11 +14,11 @@ namespace weft {
 namespace {
 
 constexpr double kLeastStrain = 0.002, kBend_rad = 0.3;
-constexpr double kLeastNoise_px = 0.5;  // of a keypoint's place
+constexpr double kLeastNoise_px = 0.5;  // noise of a keypoint's place
 constexpr int kLeastMatches = 30, kMostSteps = 25, kMostHalvings = 6, kMostRelaxed = 3;
 constexpr double kLongestStep = 0.3;
 constexpr double kLastStep = 0.1;   // in standard deviations
-constexpr double kLeastGain = 0.3;  // of a sum of squares in standard deviations
+constexpr double kLeastGain = 0.3;  // gain of a sum of squares in standard deviations
 
 /// A pixel and its derivatives by the point in the camera frame and by the deviation.
 struct Projection {
@@ -105,7 +105,7 @@ std::optional<CameraEvidence> SelfCalibration::look(const Camera& camera,
     const auto change = step(camera, evidence);
     if (!change) return std::nullopt;
     if (*change >= kLastStep) continue;
-    // What stretches cannot be held to its lengths.
+    // A stretching surface cannot be held to its lengths.
     const double strain = measured_strain(state);
     if (strain <= state.strain || ++relaxed > kMostRelaxed) {
       evidence.add_strain(equations_, step_at_);
@@ -116,7 +116,8 @@ std::optional<CameraEvidence> SelfCalibration::look(const Camera& camera,
   return std::nullopt;
 }
 
-/// Of the matches. False where a point is not in front of the camera, or they do not fit.
+/// Measures the noise of the matches. False if a point is not in front of the camera, or they do
+/// not fit.
 bool SelfCalibration::measure_noise(const Camera& camera, State& state) {
   constexpr double kMedianOfRayleigh = 1.1774, kMost_px = 20.0;
   residuals_px_.clear();
@@ -130,7 +131,7 @@ bool SelfCalibration::measure_noise(const Camera& camera, State& state) {
   return state.noise_px < kMost_px;
 }
 
-/// Of the edges as they are.
+/// Measures the strain of the edges as they are.
 double SelfCalibration::measured_strain(const State& state) {
   strains_.clear();
   for (const DistanceConstraint& edge : edges_) {
@@ -266,7 +267,7 @@ double SelfCalibration::cost(const Camera& camera, const State& state) const {
 }
 
 std::optional<double> SelfCalibration::step(const Camera& camera, CameraEvidence& evidence) {
-  constexpr double kFloor_per_m2 = 1.0;  // what nothing holds stays where it is
+  constexpr double kFloor_per_m2 = 1.0;  // parameters without constraints stay unchanged
   State& state = state_;
   step_at_ = state.deviation;
   equations_.begin(state.vertices_m.rows(), kFloor_per_m2);

@@ -35,14 +35,14 @@ class SelfCalibration {
 
  private:
   struct Observation {
-    std::int32_t face;
+    std::int32_t face;         ///< [] index of a face
     Eigen::Vector3d weights;   ///< barycentric
     Eigen::Vector2d pixel_px;  ///< where it is seen
   };
   struct State {
     Points3 vertices_m;
     PartVector deviation;
-    double noise_px, strain;
+    double noise_px, strain;  ///< [] px; [] relative length error
   };
 
   bool measure_noise(const Camera& camera, State& state);
@@ -52,7 +52,7 @@ class SelfCalibration {
   void add_hinges(const State& state);
   Eigen::Vector3d bend_off(const State& state, std::size_t hinge) const;
   double edge_over_m(const State& state, std::size_t e) const;
-  /// What is minimised, with noise and strain as they are; infinite behind the camera.
+  /// The minimised cost, with noise and strain as they are; infinite behind the camera.
   double cost(const Camera& camera, const State& state) const;
   /// Largest change of a part, in standard deviations, 0 where nothing is better; nothing where the
   /// equations cannot be solved.
@@ -63,7 +63,7 @@ class SelfCalibration {
   Points3 edge_places_;      ///< [E,3] x, y, x^2 + y^2 of the middle of each edge
   Points2 edge_directions_;  ///< [E,2] cosine and sine of twice its angle to the width
   std::vector<BendingHinge> hinges_;
-  std::vector<double> rest_bend_rad_;  ///< of each hinge
+  std::vector<double> rest_bend_rad_;  ///< angle of each hinge
   std::vector<Observation> observations_;
   std::vector<Eigen::Matrix<double, 9, 9>> face_blocks_;
   // From look to look, so that only the first of them allocates.

@@ -16,7 +16,7 @@ namespace {
 constexpr std::int64_t kFewestFrames = 3, kFewestForRates = 5;
 constexpr Eigen::Index kMostVertices = 4000;  // more would hold a frame up for seconds
 
-/// What is left of the matches; all of them where a filter had no result. Null without any.
+/// The matches that filters kept; all of them if a filter had no result. Null without any.
 host::RecordPtr last_matches(const Graph& graph, const FrameResult& frame) {
   host::RecordPtr last;
   for (std::size_t i = 0; i < frame.values.size(); ++i) {
@@ -103,15 +103,15 @@ void SetupMonitor::look(const Graph& graph, const Shape* shape, const Correspond
   }
   if (!is_due_now) return;
   for (Finding& found : findings()) {
-    if (std::find(told_.begin(), told_.end(), found.kind) != told_.end()) continue;
-    told_.push_back(found.kind);
+    if (std::find(reported_.begin(), reported_.end(), found.kind) != reported_.end()) continue;
+    reported_.push_back(found.kind);
     frame.warnings.push_back(std::move(found.text));
   }
 }
 
-/// A solver's confidence holds if the camera is right. Where it is known to be wrong, the shape is
-/// right only if the deviation does not matter; where a stretched surface explains the frames as
-/// well, the shape is as likely wrong as right. The next frame is still solved from the shape as
+/// A solver's confidence is valid if the camera is right. If the camera is known to be wrong, the
+/// shape is right only if the deviation does not matter. If a stretched surface explains the frames
+/// as well, the shape is as likely wrong as right. The next frame is still solved from the shape as
 /// the solver gave it.
 void SetupMonitor::doubt(const Graph& graph, const Shape& shape, FrameResult& frame) {
   constexpr double kEven = 0.5;  // the least of an estimated shape, see state_of()
@@ -153,7 +153,8 @@ void SetupMonitor::limit_confidence(const Graph& graph, double most, std::string
   frame.values[to_index(graph.latest("shape"))] = frame.shape;
 }
 
-/// Frames that look alike err alike, by what the template is not: all of them say no more than one.
+/// Frames that look alike have similar errors, caused by the template. All of them together count
+/// as one.
 bool SetupMonitor::is_news(const Shape& shape) {
   constexpr double kAlike = 0.015;
   project(shape);

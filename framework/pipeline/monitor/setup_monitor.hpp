@@ -14,20 +14,20 @@
 
 namespace weft {
 
-/// Watches a run for what its frames say against its set-up: another camera than was said, a
-/// texture that is not that of the object, a second print in view, too few frames a second. What it
-/// finds out are warnings. It moves no vertex, but shapes by a camera that is wrong are not sure.
+/// Watches a run for frames that contradict its set-up: another camera, a texture that is not that
+/// of the object, a second print in view, too few frames a second. Its findings are warnings. It
+/// moves no vertex, but lowers the confidence of shapes if the camera is wrong.
 class SetupMonitor {
  public:
-  /// Of frames that are no sequence the motion between them is not judged, and one that shows a
-  /// second print is `weak`.
+  /// In frames that are no sequence, the motion between them is not judged, and a frame that shows
+  /// a second print is `weak`.
   static Result<SetupMonitor> create(const host::Record& templ, host::RecordPtr camera,
                                      bool is_sequence = true);
 
-  /// Looks closely at some frames: the first eight, then whenever a quarter more have gone by. What
-  /// it sees is added to the frame's `setup`, and what it has found out by then to its `warnings`.
-  /// From the frame on in which the camera turns out to be wrong, the confidence of measured shapes
-  /// is lowered, and `estimated` becomes `weak` where it falls below 0.5; `reason` says why.
+  /// Looks closely at some frames: the first eight, then whenever a quarter more have gone by. Its
+  /// observations are added to the frame's `setup`, and its findings so far to its `warnings`. From
+  /// the frame on in which the camera turns out to be wrong, the confidence of measured shapes is
+  /// lowered, and `estimated` becomes `weak` if it falls below 0.5; `reason` has the cause.
   void add(const Graph& graph, FrameResult& frame);
 
   /// All that is found out by now, as warnings of "setup".
@@ -41,7 +41,7 @@ class SetupMonitor {
 
  private:
   struct Finding {
-    std::string kind;  ///< "focal length": each is told once in frames
+    std::string kind;  ///< "focal length": each is reported once in frames
     std::string text;
     std::int64_t frames;  ///< that show it
   };
@@ -49,7 +49,7 @@ class SetupMonitor {
       : camera_(std::move(camera)), calibration_(std::move(calibration)) {}
 
   bool is_due(std::uint64_t frame);
-  /// Whether the shape is unlike those that the camera was judged by; then it is one of them.
+  /// True if the shape is unlike those that the camera was judged by; then it is one of them.
   bool is_news(const Shape& shape);
   void look(const Graph& graph, const Shape* shape, const Correspondences& matches,
             FrameResult& frame);
@@ -76,17 +76,17 @@ class SetupMonitor {
   RejectedMatches rejected_;
   Points2 now_px_;  ///< the vertices of the shape that is looked at
   std::uint64_t looks_ = 0, next_look_ = 0;
-  std::vector<std::string> told_;  ///< kinds of findings
+  std::vector<std::string> reported_;  ///< kinds of findings
 
-  std::vector<CameraEvidence> cameras_;  ///< of each frame that says something of it
-  std::vector<Points2> places_px_;       ///< vertices of the frames that were asked
+  std::vector<CameraEvidence> cameras_;  ///< evidence of each frame that has some
+  std::vector<Points2> places_px_;       ///< vertices of the frames that were evaluated
   double radius_ = 0.0;                  ///< [] of the farthest match, X / Z
-  std::vector<CameraFault> faults_;      ///< by the frames that were asked
+  std::vector<CameraFault> faults_;      ///< by the frames that were evaluated
   std::int64_t weakened_ = 0;            ///< [frames] for one of them
 
   std::int64_t rejects_looks_ = 0, with_rejects_ = 0;  ///< [frames]
-  std::int64_t rejects_ = 0, rejects_elsewhere_ = 0;   ///< of the frames with many
-  int coherent_rejects_ = 0;  ///< of this frame, where they are many and a second print's
+  std::int64_t rejects_ = 0, rejects_elsewhere_ = 0;   ///< counts of the frames with many
+  int coherent_rejects_ = 0;  ///< count of this frame, where they are many and a second print's
 
   std::int64_t with_matches_ = 0, recognised_ = 0;  ///< [frames]
   double most_agreeing_ = 0.0;                      ///< matches, in a frame
@@ -94,7 +94,7 @@ class SetupMonitor {
   Points2 before_px_;                    ///< vertices of the last shape that was estimated
   std::optional<std::uint64_t> before_;  ///< its frame
   bool is_sequence_ = true;
-  std::int64_t pairs_ = 0, jumps_ = 0;  ///< of neighbouring frames
+  std::int64_t pairs_ = 0, jumps_ = 0;  ///< counts of neighbouring frames
   double jumps_sum_ = 0.0;              ///< [] of the object's size
 };
 

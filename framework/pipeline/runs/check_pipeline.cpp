@@ -7,8 +7,8 @@
 namespace weft {
 namespace {
 
-/// What the components whose parameters are legal say of them. One in a process of its own is not
-/// asked: nothing loads its library in this one.
+/// Parameter checks of the components whose parameters are legal. A component with its own process
+/// is not checked: nothing loads its library in this one.
 void ask_components(const PipelineConfig& config, host::ComponentChecks& checks,
                     ConfigReport& report) {
   std::vector<yaml::Problem> found;
@@ -43,7 +43,7 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
                                                         const std::vector<Patch>& patches,
                                                         host::ComponentChecks* checks) {
   const auto paths = host::PathRules::of_process({}, output_folder);
-  return check_pipeline(file, read_document(file, settings, paths, patches), registry,
+  return check_pipeline(file, read_document(file, settings, registry, paths, patches), registry,
                         output_folder, checks);
 }
 
@@ -57,7 +57,7 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
   refuse_unsafe_outputs(pipeline.config, registry, output_folder, report.problems);
   host::ComponentChecks own;
   ask_components(pipeline.config, checks != nullptr ? *checks : own, report);
-  if (report.wirable) pipeline.graph = wire(pipeline.config, registry, report.problems);
+  if (!report.unclear_stages) pipeline.graph = wire(pipeline.config, registry, report.problems);
   report.sort();
   return {std::move(pipeline), std::move(report)};
 }
@@ -72,12 +72,13 @@ Result<CheckedPipeline> check_change(const PipelineConfig& running, const std::s
   PipelineDocument document;
   document.root = std::move(text->root);
   document.sources = {{file, folder}};
-  document = laid_over(std::move(document), {}, settings, host::PathRules::of_process({}, folder));
+  document = laid_over(std::move(document), {}, settings, registry,
+                       host::PathRules::of_process({}, folder));
   auto [config, report] = load_pipeline(file, std::move(document), registry, folder);
   CheckedPipeline pipeline{std::move(config), {}};
   host::ComponentChecks checks;
   ask_components(pipeline.config, checks, report);
-  if (report.wirable) pipeline.graph = wire(pipeline.config, registry, report.problems);
+  if (!report.unclear_stages) pipeline.graph = wire(pipeline.config, registry, report.problems);
   report.sort();
   if (report.ok()) return pipeline;
   return Error{Errc::invalid_value, report.problems.front().message};

@@ -40,7 +40,7 @@ ordered_json time_by_component(const host::Timings& timings, double host::Spent:
   return times;
 }
 
-/// How sure the shape is of itself, as a whole and at each vertex.
+/// The confidence of the shape, as a whole and at each vertex.
 void add_certainty(const host::RecordPtr& record, ordered_json& line) {
   constexpr double kMmPerM = 1000.0;
   const auto shape =

@@ -9,11 +9,11 @@
 
 namespace weft {
 
-/// What a frame came to as one JSON object without a line break: a line of frames.jsonl, where
-/// `records` is what its npz file holds. Text that is no UTF-8 is replaced.
+/// Outcome of a frame as one JSON object without a line break: a line of frames.jsonl, where
+/// `records` lists the contents of its npz file. Text that is no UTF-8 is replaced.
 std::string frame_json(const FrameResult& frame, std::optional<std::size_t> records);
 
-/// Rounded to so many parts of a whole.
+/// Rounded to this number of parts of a whole.
 double rounded(double value, double parts);
 
 }  // namespace weft

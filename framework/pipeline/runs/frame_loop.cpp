@@ -28,18 +28,20 @@ int workers_of(const PipelineConfig& config) {
   return std::min(config.frames_at_once, threads_of(config));
 }
 
-Result<std::unique_ptr<host::Lane>> lane_of(const PipelineConfig& config, host::Lane::Log log) {
+Result<std::unique_ptr<host::ExecutionContext>> context_of(const PipelineConfig& config,
+                                                           host::ExecutionContext::Log log) {
   std::shared_ptr<host::SharedArena> arena;
   if (has_isolated(config)) {
     auto made = host::SharedArena::create();
     if (!made) return made.error();
     arena = *std::move(made);
   }
-  auto lane = std::make_unique<host::Lane>(config.seed, std::move(log), std::move(arena));
-  lane->divide_threads(threads_of(config), workers_of(config));
+  auto context =
+      std::make_unique<host::ExecutionContext>(config.seed, std::move(log), std::move(arena));
+  context->divide_threads(threads_of(config), workers_of(config));
   // The thread that reads ahead is another one.
-  if (config.latest_only) lane->count_processor_time(host::ProcessorTime::of_thread);
-  return lane;
+  if (config.latest_only) context->times().count(host::ProcessorTime::of_thread);
+  return context;
 }
 
 FrameLine line_of(const std::vector<FrameStep>& steps, std::size_t frames_at_once) {
@@ -53,11 +55,12 @@ FrameLine line_of(const std::vector<FrameStep>& steps, std::size_t frames_at_onc
 }
 
 Result<std::unique_ptr<FrameLoop>> FrameLoop::open(const CheckedPipeline& pipeline,
-                                                   host::Lane& lane, host::RecordPtr camera) {
-  auto input = PipelineInput::open(pipeline.config, lane, std::move(camera));
+                                                   host::ExecutionContext& context,
+                                                   host::RecordPtr camera) {
+  auto input = PipelineInput::open(pipeline.config, context, std::move(camera));
   if (!input) return input.error();
-  std::unique_ptr<FrameLoop> loop(new FrameLoop(pipeline, lane, *std::move(input)));
-  auto executor = Executor::create(pipeline.config, pipeline.graph, lane, loop->input_.templ(),
+  std::unique_ptr<FrameLoop> loop(new FrameLoop(pipeline, context, *std::move(input)));
+  auto executor = Executor::create(pipeline.config, pipeline.graph, context, loop->input_.templ(),
                                    loop->input_.camera());
   if (!executor) return executor.error();
   loop->executor_ = *std::move(executor);
@@ -77,13 +80,13 @@ void FrameLoop::watch_set_up() {
 Result<void> FrameLoop::open_sinks() {
   const std::vector<StageConfig>& sinks = pipeline_.config.sinks;
   for (std::size_t i = 0; i < sinks.size(); ++i) {
-    const auto instance = instantiate(lane_, sinks[i], sinks[i].component);
+    const auto instance = instantiate(context_, sinks[i], sinks[i].component);
     if (!instance) return instance.error();
-    auto ready = lane_.prepare(**instance, *input_.templ(), *input_.camera());
+    auto ready = context_.prepare(**instance, *input_.templ(), *input_.camera());
     if (!ready) return ready;
-    const Outcome opened = lane_.call(**instance, kOpenSink, {}, host::kOfflineFrame);
+    const Outcome opened = context_.call(**instance, kOpenSink, {}, host::kOfflineFrame);
     if (!opened.usable()) return opened.error;
-    host::Lane::let_finish(**instance);
+    host::ExecutionContext::let_finish(**instance);
     sinks_.push_back({sinks[i].name, &pipeline_.graph.sinks[i], *instance});
   }
   report_ = value_for_sinks("frame_report");
@@ -105,14 +108,14 @@ std::optional<std::size_t> FrameLoop::value_for_sinks(std::string_view slot) con
 std::vector<const host::Instance*> FrameLoop::steering_sinks() const {
   std::vector<const host::Instance*> steering;
   for (const Sink& sink : sinks_) {
-    if (host::Lane::steers(*sink.instance)) steering.push_back(sink.instance);
+    if (host::ExecutionContext::steers(*sink.instance)) steering.push_back(sink.instance);
   }
   return steering;
 }
 
 void FrameLoop::set_settings(std::string json) {
   const auto record = host::Record::copy_of(RunSettings{std::move(json)});
-  static_cast<void>(lane_.admit(*record, "run_settings"));  // a text is legal whatever it says
+  static_cast<void>(context_.admit(*record, "run_settings"));  // a text is legal whatever it says
   now_set_ = record;
 }
 
@@ -141,7 +144,7 @@ std::vector<FrameStep> FrameLoop::steps() const {
   const std::size_t behind_end = steps.size();
   for (std::size_t i = 0; i < sinks_.size(); ++i) steps.push_back({Kind::sink, i});
   steps.push_back({Kind::file});
-  // What comes after the end of a frame is all of it, or nothing.
+  // Output after the end of a frame is complete or absent.
   steps[behind_end].rule.busy_for = sinks_.size();
   return steps;
 }
@@ -173,7 +176,7 @@ FrameResult FrameLoop::process(const PipelineInput::Frame& read) {
 
 void FrameLoop::finish(FrameResult& result) {
   for (const Sink& sink : sinks_) result.stages.push_back(write(sink, result));
-  for (const host::Timing& timing : lane_.take_timings(result.index)) {
+  for (const host::Timing& timing : context_.times().take(result.index)) {
     result.timings.push_back(timing);
   }
 }
@@ -187,16 +190,17 @@ StageReport FrameLoop::write(const Sink& sink, const FrameResult& result) {
   CallInputs inputs;
   const host::SharedText cause = gather(*sink.node, result, inputs);
   if (!cause.empty()) return {sink.name, StageStatus::skipped, cause, {}, {}, false};
-  const host::Stopwatch watch = lane_.stopwatch();
-  const Outcome outcome = lane_.call(*sink.instance, kWriteFrame, inputs, result.index);
-  return report_of(sink.name, outcome, watch.spent(), lane_.memory());
+  const host::Stopwatch watch = context_.times().stopwatch();
+  const Outcome outcome = context_.call(*sink.instance, kWriteFrame, inputs, result.index);
+  return report_of(sink.name, outcome, watch.spent(), context_.memory());
 }
 
 Result<void> FrameLoop::close_sinks() {
   Result<void> status;
   for (const Sink& sink : sinks_) {
-    const Outcome closed = lane_.call(*sink.instance, kFinishSink, {}, host::kOfflineFrame);
-    const bool is_cut_short = closed.error.code == Errc::cancelled && lane_.is_cancelled();
+    const Outcome closed = context_.call(*sink.instance, kFinishSink, {}, host::kOfflineFrame);
+    const bool is_cut_short =
+        closed.error.code == Errc::cancelled && context_.cancellation().is_requested();
     if (!closed.usable() && !is_cut_short && status) {
       status = Error{Errc::io, closed.error.message, closed.error.where};
     }

@@ -14,9 +14,10 @@ namespace weft {
 /// How many frames of a run are worked on at the same moment.
 int workers_of(const PipelineConfig& config);
 
-/// A lane for the components of a pipeline: in shared memory where a stage has a process of its
-/// own, with the threads that the workers leave to each call.
-Result<std::unique_ptr<host::Lane>> lane_of(const PipelineConfig& config, host::Lane::Log log);
+/// An execution context for the components of a pipeline: in shared memory where a stage has a
+/// process of its own, with the threads that the workers leave to each call.
+Result<std::unique_ptr<host::ExecutionContext>> context_of(const PipelineConfig& config,
+                                                           host::ExecutionContext::Log log);
 
 /// A frame between the source and its line.
 struct FrameOnItsWay {
@@ -24,11 +25,11 @@ struct FrameOnItsWay {
   FrameResult result;  ///< the report of the source comes first, from the end of the stages on
 };
 
-/// What happens to a frame of a run.
+/// A step of a frame of a run.
 struct FrameStep {
   enum class Kind { read, stage, end, sink, file };
   Kind kind;
-  std::size_t index = 0;  ///< of the stage or the sink
+  std::size_t index = 0;  ///< index of the stage or the sink
   StepRule rule{};
 };
 
@@ -38,25 +39,26 @@ FrameLine line_of(const std::vector<FrameStep>& steps, std::size_t frames_at_onc
 /// An opened pipeline, frame by frame: what a run does with a frame before it is filed.
 class FrameLoop {
  public:
-  /// Opens source and template and makes the stages; pipeline and lane outlive the loop. With a
-  /// camera frames are handed in, see PipelineInput.
-  static Result<std::unique_ptr<FrameLoop>> open(const CheckedPipeline& pipeline, host::Lane& lane,
+  /// Opens source and template and makes the stages; pipeline and execution context outlive the
+  /// loop. With a camera frames are handed in, see PipelineInput.
+  static Result<std::unique_ptr<FrameLoop>> open(const CheckedPipeline& pipeline,
+                                                 host::ExecutionContext& context,
                                                  host::RecordPtr camera = nullptr);
 
-  /// Makes and opens the sinks, in their order; the first error ends it. From then on they are not
-  /// told to stop: a frame that is there is written by all sinks, or by none.
+  /// Makes and opens the sinks, in their order; the first error ends it. From then on no stop
+  /// request reaches them: a frame that is there is written by all sinks, or by none.
   Result<void> open_sinks();
 
-  /// The sinks at which somebody may steer the run.
+  /// The sinks at which clients may steer the run.
   std::vector<const host::Instance*> steering_sinks() const;
 
-  /// Sinks of frames that begin from now on are told these.
+  /// Sinks of frames that begin from now on receive these.
   void set_settings(std::string json);
 
   PipelineInput& input() { return input_; }
   Executor& executor() { return *executor_; }
 
-  /// What the frames said of the set-up until now.
+  /// Evidence of the frames about the set-up until now.
   std::vector<RunWarning> warnings() const;
   std::vector<std::pair<std::string, double>> camera() const;
 
@@ -64,10 +66,10 @@ class FrameLoop {
   FrameOnItsWay begin(PipelineInput::Frame read);
 
   /// All steps of a frame in their order: it is read, goes through each stage, ends and is settled,
-  /// goes to each sink, is filed. Steps of several frames may overlap as their rules say.
+  /// goes to each sink, is filed. Steps of several frames may overlap according to their rules.
   std::vector<FrameStep> steps() const;
 
-  /// A stage, the end or a sink; a frame is read and filed by who drives the loop.
+  /// A stage, the end or a sink; the thread that drives the loop reads and files frames.
   void take(const FrameStep& step, FrameOnItsWay& frame);
 
   /// `begin`, all stages and the end.
@@ -79,8 +81,8 @@ class FrameLoop {
   /// The next frame is the first of a sequence, see Executor::restart().
   void restart();
 
-  /// Finishes all sinks, whatever one of them says; the first error counts. One that was cut short
-  /// by an interrupt is none.
+  /// Finishes all sinks, whatever one of them returns; the first error counts. An interrupt that
+  /// cut one short is no error.
   Result<void> close_sinks();
 
  private:
@@ -90,15 +92,15 @@ class FrameLoop {
     host::Instance* instance;
   };
 
-  FrameLoop(const CheckedPipeline& pipeline, host::Lane& lane, PipelineInput input)
-      : pipeline_(pipeline), lane_(lane), input_(std::move(input)) {}
+  FrameLoop(const CheckedPipeline& pipeline, host::ExecutionContext& context, PipelineInput input)
+      : pipeline_(pipeline), context_(context), input_(std::move(input)) {}
   void watch_set_up();
   void end(FrameOnItsWay& frame);
   StageReport write(const Sink& sink, const FrameResult& result);
   std::optional<std::size_t> value_for_sinks(std::string_view slot) const;
 
   const CheckedPipeline& pipeline_;
-  host::Lane& lane_;
+  host::ExecutionContext& context_;
   PipelineInput input_;
   std::unique_ptr<Executor> executor_;
   std::optional<SetupMonitor> monitor_;

@@ -46,7 +46,7 @@ void FrameWriter::write_all() {
   for (;;) {
     changed_.wait(lock, [&] { return is_dropped_ || is_closed_ || written_ < put_; });
     if (is_dropped_ || written_ == put_) return;
-    std::optional<FrameOnItsWay>& frame = slot(written_);  // nobody else's until it is written
+    std::optional<FrameOnItsWay>& frame = slot(written_);  // used here only, until it is written
     lock.unlock();
     std::exception_ptr failure;
     try {

@@ -15,11 +15,11 @@
 
 namespace weft {
 
-/// Does with frames what takes time and no frame waits for, such as writing them: in a thread of
-/// its own, one after another, in the order in which they are put.
+/// Does slow work on frames for which no frame waits, such as writing them. It has its own thread,
+/// and works in the order in which frames are put.
 class FrameWriter {
  public:
-  /// Called in that thread. What it throws ends it: frames behind that one are dropped.
+  /// Called in that thread. An exception ends it: frames behind that one are dropped.
   using Write = std::function<void(FrameOnItsWay& frame)>;
 
   /// At most `bound` frames, at least 1, are with it, the one that is being written among them.
@@ -38,7 +38,7 @@ class FrameWriter {
   /// nothing.
   void close();
 
-  /// The clock of the processor time that its thread has spent.
+  /// The clock of the CPU time that its thread has spent.
   clockid_t processor_clock() const { return processor_clock_; }
 
  private:

@@ -7,7 +7,7 @@
 namespace weft {
 namespace {
 
-/// [s] when the frame was taken, if the source says so.
+/// [s] when the frame was taken, if the source reports it.
 std::optional<double> time_of(const PipelineInput::Frame& frame) {
   const host::RecordPtr record = frame.input.find("time");
   if (record == nullptr) return std::nullopt;
@@ -34,7 +34,7 @@ void LatestFrames::stop() {
 }
 
 std::optional<PipelineInput::Frame> LatestFrames::take(const std::function<bool()>& cancelled) {
-  constexpr std::chrono::milliseconds kAskEvery{5};  // a signal handler can wake nobody
+  constexpr std::chrono::milliseconds kAskEvery{5};  // a signal handler cannot wake a thread
   std::unique_lock lock(mutex_);
   while (!newest_ && !has_ended_ && !cancelled()) changed_.wait_for(lock, kAskEvery);
   if (!newest_ && failure_) std::rethrow_exception(failure_);
@@ -90,7 +90,7 @@ void LatestFrames::offer(PipelineInput::Frame frame) {
   std::optional<PipelineInput::Frame> dropped;
   {
     std::unique_lock lock(mutex_);
-    // What could not be read is told.
+    // Reports frames that could not be read.
     const auto may_replace = [&] { return !newest_ || newest_->input.failure.empty(); };
     changed_.wait(lock, [&] { return is_stopped_ || may_replace(); });
     if (is_stopped_) return;

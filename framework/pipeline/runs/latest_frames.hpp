@@ -12,16 +12,16 @@
 
 namespace weft {
 
-/// Reads a source in a thread of its own, at the pace at which frames come, and keeps the newest
-/// one alone: those that nobody took before the next one came are dropped, unless they could not
-/// be read. The frames of a source that is not live come at their times, counted from the first
-/// one, and those without a time as fast as they can be read.
+/// Reads a source in its own thread, at the pace at which frames come, and keeps the newest one
+/// alone. Frames that were not taken before the next one came are dropped, unless they could not be
+/// read. The frames of a source that is not live come at their times, counted from the first one,
+/// and those without a time as fast as they can be read.
 class LatestFrames {
  public:
   /// From the reading thread.
   struct Source {
     std::function<std::optional<PipelineInput::Frame>(std::uint64_t index)> read;
-    /// A frame that nobody will see.
+    /// A frame that will not be processed.
     std::function<void(std::uint64_t index)> dropped;
     std::int64_t frames = -1;  ///< -1 when unknown: until `read` gives none
     bool is_live = false;      ///< `read` waits for the frame itself
@@ -35,9 +35,9 @@ class LatestFrames {
   LatestFrames(const LatestFrames&) = delete;
   LatestFrames& operator=(const LatestFrames&) = delete;
 
-  /// The newest frame, waited for where it was taken already; it says how many were dropped before
-  /// it. None behind the last frame, or when `cancelled`, which is asked again and again. Throws
-  /// what `read` threw.
+  /// The newest frame; waits if it was taken already. It has the number of frames dropped before
+  /// it. None behind the last frame, or when `cancelled`, which is polled. Throws the exceptions of
+  /// `read`.
   std::optional<PipelineInput::Frame> take(const std::function<bool()>& cancelled);
 
   /// Nothing is read from now on.

@@ -5,17 +5,13 @@
 #include <mutex>
 #include <weft/core/index.hpp>
 
-#include "pipeline/runs/dump.hpp"
+#include "pipeline/runs/frame_supply.hpp"
 #include "pipeline/runs/frame_writer.hpp"
-#include "pipeline/runs/latest_frames.hpp"
-#include "pipeline/runs/run_folder.hpp"
-#include "pipeline/runs/trace.hpp"
+#include "pipeline/runs/run_recorder.hpp"
 #include "pipeline/runs/warning_log.hpp"
 
 namespace weft {
 namespace {
-
-using host::RecordPtr;
 
 struct Failed {
   Error error;
@@ -39,15 +35,15 @@ class Run {
         observer_(observer),
         cancel_(cancel),
         options_(std::move(options)),
-        lane_(need(lane_of(
+        context_(need(context_of(
             pipeline.config,
             [this](const std::string& component, int level, const std::string& text,
                    std::uint64_t frame) { warnings_.note(component, level, text, frame); }))),
         folder_path_(folder) {
-    if (options_.protects_inputs) lane_->protect_inputs();
-    lane_->watch([this] { return cancel_.load(); });
-    lane_->announce_to([this](const std::string& stage, const std::string& component,
-                              const std::string& what, std::uint64_t frame) {
+    if (options_.protects_inputs) context_->protect_inputs();
+    context_->cancellation().watch([this] { return cancel_.load(); });
+    context_->announce_to([this](const std::string& stage, const std::string& component,
+                                 const std::string& what, std::uint64_t frame) {
       const std::lock_guard lock(announcing_);
       observer_.calling(stage, component, what, frame);
     });
@@ -56,13 +52,13 @@ class Run {
   RunSummary run() {
     try {
       open();
-      // Nobody knows how many a run takes that drops some.
+      // The number of frames of a run that drops some is unknown.
       observer_.started(pipeline_.config.latest_only ? -1 : loop_->input().frames());
       take_all_frames();
     } catch (const Failed& failed) {
       static_cast<void>(finish());  // the first error is the one to report
       // An interrupt before the frames may look like any failure of a component; later ones are
-      // told.
+      // reported.
       const bool is_of_interrupt = is_open_ ? failed.error.code == Errc::cancelled : true;
       if (cancel_.load() && is_of_interrupt) return summary();
       if (!is_open_) withdraw();
@@ -83,32 +79,31 @@ class Run {
       summary_.camera = loop_->camera();
     }
     if (summary_.cancelled && summary_.frames == 0) withdraw();
-    if (folder_) {
-      need(folder_->end(summary_, pipeline_.config.latest_only));
-      summary_.folder = folder_->path();
+    if (recorder_) {
+      need(recorder_->end(summary_));
+      summary_.folder = recorder_->folder();
     }
     return summary_;
   }
 
   /// Otherwise the next try would find its folder taken.
   void withdraw() {
-    if (!folder_) return;
-    trace_.reset();
-    folder_->withdraw();
-    folder_.reset();
+    if (!recorder_) return;
+    recorder_->withdraw();
+    recorder_.reset();
   }
 
   void open() {
     need(Dump::check_names(pipeline_.config, options_.dumped));
-    for (const std::string& doubt : pipeline_.config.doubts) lane_->warn("pipeline", doubt);
-    loop_ = need(FrameLoop::open(pipeline_, *lane_));
+    for (const std::string& doubt : pipeline_.config.doubts) context_->warn("pipeline", doubt);
+    loop_ = need(FrameLoop::open(pipeline_, *context_));
     stop_if_cancelled();
-    if (options_.repeated) repeated_ = need(RepeatedFrames::of(*options_.repeated, loop_->input()));
-    // Not before: a run that cannot start leaves no folder behind.
+    supply_ = supply();
+    // A run that cannot start leaves no folder behind.
     if (!folder_path_.empty()) open_folder();
     need(loop_->open_sinks());
     open_steering();
-    if (trace_) need(trace_->add(lane_->take_timings()));
+    if (recorder_) need(recorder_->add(context_->times().take()));
     is_open_ = true;
   }
 
@@ -116,24 +111,33 @@ class Run {
     if (cancel_.load()) throw Failed{{Errc::cancelled, "cancelled before the first frame", {}}};
   }
 
+  std::unique_ptr<FrameSupply> supply() {
+    PipelineInput& input = loop_->input();
+    if (options_.repeated) return need(repeated_frames(*options_.repeated, input, *context_));
+    if (!pipeline_.config.latest_only) return all_frames(input);
+    const auto drop = [this](std::uint64_t index) {
+      context_->times().take(index);
+      warnings_.forget(index);
+    };
+    return newest_frames(
+        input, *context_, options_.clock != nullptr ? *options_.clock : clock_of_machine_,
+        [this] { return cancel_.load(); }, drop);
+  }
+
   void open_folder() {
-    const RecordPtr &templ = loop_->input().templ(), &camera = loop_->input().camera();
-    folder_.emplace(need(RunFolder::create(folder_path_)));
-    need(folder_->begin(pipeline_.config, *templ, *camera, loop_->input().frames()));
-    trace_.emplace(need(Trace::create(folder_->path() + "/trace.json")));
-    dump_.emplace(
-        need(Dump::create(folder_->path(), pipeline_.config, options_.dumped, templ, camera)));
+    recorder_.emplace(need(RunRecorder::create(folder_path_, pipeline_, loop_->input(),
+                                               options_.dumped, options_.keeps_records)));
     for (const std::string& stage : options_.dumped) loop_->executor().keep_calls_of(stage);
   }
 
   void open_steering() {
     std::vector<const host::Instance*> sinks = loop_->steering_sinks();
-    if (options_.registry == nullptr || !folder_) return;
+    if (options_.registry == nullptr || !recorder_) return;
     if (sinks.empty() && !options_.repeated) return;
     const auto check = [this](const std::vector<std::string>& settings) {
-      return check_change(pipeline_.config, folder_->path(), *options_.registry, settings);
+      return check_change(pipeline_.config, recorder_->folder(), *options_.registry, settings);
     };
-    const StageMaker maker{*lane_, loop_->input().templ(), loop_->input().camera()};
+    const StageMaker maker{*context_, loop_->input().templ(), loop_->input().camera()};
     steering_ = std::make_unique<Steering>(
         ChangeMaker(pipeline_, maker, check), loop_->executor(), std::move(sinks),
         options_.repeated ? options_.repeated->changes : ChangesByFrame());
@@ -154,39 +158,21 @@ class Run {
     } catch (...) {
       failure = std::current_exception();
     }
-    end_reading();
+    supply_->stop();
     if (steering_) summary_.stopped = summary_.stopped || steering_->has_ended();
     steering_.reset();
-    lane_->count_processor_time(lane_->processor_time());
+    context_->times().count(context_->times().counted());
     if (writer_) writer_->close();  // a failure of its own is that of an earlier frame
     if (failure) std::rethrow_exception(failure);
   }
 
-  /// Those that work beside the frames on their way.
+  /// Starts the threads that read and write beside the frames on their way.
   void start_threads(std::size_t at_once) {
-    if (folder_) {
+    if (recorder_) {
       writer_ = std::make_unique<FrameWriter>(at_once, [this](FrameOnItsWay& f) { keep(f); });
-      lane_->count_processor_time(lane_->processor_time(), writer_->processor_clock());
+      context_->times().count(context_->times().counted(), writer_->processor_clock());
     }
-    if (!pipeline_.config.latest_only) return;
-    PipelineInput& input = loop_->input();
-    const auto drop = [this](std::uint64_t index) {
-      lane_->take_timings(index);
-      warnings_.forget(index);
-    };
-    latest_ = std::make_unique<LatestFrames>(
-        LatestFrames::Source{[&input](std::uint64_t index) { return input.read(index); }, drop,
-                             input.frames(), input.is_live()},
-        options_.clock != nullptr ? *options_.clock : clock_of_machine_);
-  }
-
-  /// A source that waits for a frame is told to stop: nobody wants it any more.
-  void end_reading() {
-    if (!latest_) return;
-    latest_->stop();
-    lane_->cancel() = true;
-    latest_.reset();
-    lane_->cancel() = false;
+    supply_->start();
   }
 
   FrameLine::Answer take(const FrameStep& step, std::uint64_t place) {
@@ -211,21 +197,16 @@ class Run {
     return file(std::move(through)) ? passed : last;
   }
 
-  /// An interrupted call, whatever its component says, has failed for no fault of the frame.
+  /// An interrupted call, whatever its status, has failed for no fault of the frame.
   bool is_cut_short(const StageReport& report) const {
     return report.status == StageStatus::error && cancel_.load();
   }
 
   /// False where there is no such frame, or none is wanted.
   bool read(std::uint64_t place, std::optional<FrameOnItsWay>& frame) {
-    const std::int64_t count = loop_->input().frames();
-    const bool is_there =
-        latest_ || repeated_ || count < 0 || place < static_cast<std::uint64_t>(count);
-    if (cancel_.load() || !is_there) return false;
+    if (cancel_.load() || !supply_->has(place)) return false;
     if (steering_ && !steering_->wait_for_turn([this] { return cancel_.load(); })) return false;
-    auto read = repeated_ ? repeated_->read(place, loop_->input(), *lane_)
-                : latest_ ? latest_->take([this] { return cancel_.load(); })
-                          : loop_->input().read(place);
+    auto read = supply_->take(place);
     if (!read || is_cut_short(read->report)) return false;
     if (steering_) {
       if (auto settings = need(steering_->change(read->input.index))) {
@@ -240,7 +221,7 @@ class Run {
   /// False when the run ends here.
   bool file(FrameOnItsWay frame) {
     FrameResult& result = frame.result;
-    for (const host::Timing& timing : lane_->take_timings(result.index)) {
+    for (const host::Timing& timing : context_->times().take(result.index)) {
       result.timings.push_back(timing);
     }
     const bool stops = result.failed() && pipeline_.config.stop_on_error;
@@ -253,15 +234,7 @@ class Run {
   /// Frame by frame, in their order.
   void keep(const FrameOnItsWay& frame) {
     const FrameResult& result = frame.result;
-    if (folder_) {
-      const auto records =
-          options_.keeps_records
-              ? frame_records(pipeline_.graph, result, frame.read.input.find("ground_truth"))
-              : host::NamedRecords();
-      need(folder_->add(result, records));
-      need(trace_->add(result));
-      need(dump_->add(result));
-    }
+    if (recorder_) need(recorder_->add(frame));
     warnings_.file(result.index);
     ++summary_.frames;
     summary_.dropped += static_cast<std::int64_t>(result.dropped_before);
@@ -269,11 +242,12 @@ class Run {
     observer_.frame_done(result);
   }
 
-  /// Finishes sinks and trace; the first error counts.
+  /// Closes sinks and trace; the first error counts.
   Result<void> finish() {
     Result<void> status = loop_ ? loop_->close_sinks() : Result<void>();
-    if (!trace_) return status;
-    for (const auto& written : {trace_->add(lane_->take_timings()), trace_->close()}) {
+    if (!recorder_) return status;
+    for (const auto& written :
+         {recorder_->add(context_->times().take()), recorder_->close_trace()}) {
       if (status && !written) status = written;
     }
     return status;
@@ -286,19 +260,16 @@ class Run {
   SteadyClock clock_of_machine_;
   WarningLog warnings_;
   std::mutex announcing_;
-  std::unique_ptr<host::Lane> lane_;
+  std::unique_ptr<host::ExecutionContext> context_;
   std::string folder_path_;
-  bool is_open_ = false;  ///< all that comes before the first frame is done
-  std::optional<RunFolder> folder_;
-  std::optional<Trace> trace_;
-  std::optional<Dump> dump_;
-  std::unique_ptr<FrameLoop> loop_;
+  bool is_open_ = false;                 ///< all that comes before the first frame is done
+  std::optional<RunRecorder> recorder_;  ///< where the run has a folder
+  std::unique_ptr<FrameLoop> loop_;      ///< from open() on, as the supply
+  std::unique_ptr<FrameSupply> supply_;
   std::vector<std::optional<FrameOnItsWay>> on_their_way_;  ///< by frame, modulo their number
-  RunSummary summary_;  ///< what is counted of frames is of who keeps them
-  std::unique_ptr<LatestFrames> latest_;
-  std::unique_ptr<FrameWriter> writer_;  ///< where there is a folder
-  std::unique_ptr<Steering> steering_;   ///< where somebody may change the run
-  std::optional<RepeatedFrames> repeated_;
+  RunSummary summary_;                   ///< what is counted of frames is of who keeps them
+  std::unique_ptr<FrameWriter> writer_;  ///< where the run has a folder
+  std::unique_ptr<Steering> steering_;   ///< where sinks may change the run
 };
 
 }  // namespace

@@ -17,30 +17,30 @@
 
 namespace weft {
 
-/// Told about the progress of a run, from the threads that run it.
+/// Receives the progress of a run, from the threads that run it.
 class RunObserver {
  public:
   virtual ~RunObserver() = default;
   /// `frames` is -1 when unknown.
   virtual void started(std::int64_t frames) = 0;
-  /// In the order of the frames, one at a time, when what the run folder has of it is written;
-  /// later frames may be on their way by then.
+  /// Called in the order of the frames, one at a time, when the frame's part of the run folder is
+  /// written; later frames may already be on their way.
   virtual void frame_done(const FrameResult& frame) = 0;
-  /// What runs from now on in this thread: the component of a stage; `frame` is host::kOfflineFrame
-  /// before and after the frames.
+  /// The component that runs from now on in this thread: that of a stage. `frame` is
+  /// host::kOfflineFrame before and after the frames.
   virtual void calling(const std::string& /*stage*/, const std::string& /*component*/,
                        const std::string& /*what*/, std::uint64_t /*frame*/) {}
 };
 
 struct RunSummary {
   std::string folder;
-  std::int64_t frames = 0;
+  std::int64_t frames = 0;   ///< [] number of frames
   std::int64_t failed = 0;   ///< frames with an error in a stage, the source or a sink
   std::int64_t dropped = 0;  ///< frames of the source between those, with `realtime: latest`
   bool stopped = false;      ///< by on_error: stop, or cancelled
   bool cancelled = false;    ///< without a frame, also when it was not yet open: no folder is left
-  std::vector<RunWarning> warnings;  ///< of each text the first 100, and how many more
-  /// What the frames together say of the camera, see SetupMonitor::camera().
+  std::vector<RunWarning> warnings;  ///< the first 100 of each text, and how many more
+  /// Evidence of all frames together about the camera, see SetupMonitor::camera().
   std::vector<std::pair<std::string, double>> camera;
 };
 
@@ -68,18 +68,18 @@ Result<CheckedPipeline> check_change(const PipelineConfig& running, const std::s
                                      const std::vector<std::string>& settings);
 
 struct RunOptions {
-  /// Stages of which calls are written too, see Dump.
+  /// Stages whose calls are written too, see Dump.
   std::vector<std::string> dumped{};
-  /// With `realtime: latest` it says when the frames of a source that is not live are there; null:
-  /// the clock of the machine.
+  /// With `realtime: latest` it determines when the frames of a source that is not live are there;
+  /// null: the clock of the machine.
   Clock* clock = nullptr;
   /// With it a run that has a folder can be changed while it runs, by those at its sinks.
   const host::Registry* registry = nullptr;
   /// To be done again, which needs `registry` and a folder, and a pipeline that takes all frames.
   std::optional<RecordedRun> repeated{};
-  /// Whether the folder has the records of each frame; else its lines are all that is left of it.
+  /// True if the folder has the records of each frame; else only its lines are left.
   bool keeps_records = true;
-  bool protects_inputs = false;  ///< see host::Lane::protect_inputs()
+  bool protects_inputs = false;  ///< see host::ExecutionContext::protect_inputs()
 };
 
 /// Runs all frames of the source into `output_folder`, which must be new or empty; an empty name

@@ -52,7 +52,7 @@ void add_components(const host::ComponentSpec& spec, const std::string& stage,
   }
 }
 
-/// The files that the pipeline was made from, and the settings laid over them.
+/// The files that the pipeline was made from, and the settings merged into them.
 ordered_json source_names(const std::vector<ConfigSource>& sources) {
   ordered_json names = ordered_json::array();
   for (const ConfigSource& source : sources) {
@@ -89,7 +89,7 @@ std::string frame_name(std::uint64_t index) {
   return name;
 }
 
-/// What was assumed of a camera without a calibration; null for one that was.
+/// Assumptions about a camera without a calibration; null for one that was.
 ordered_json assumed_camera(const host::Record& record) {
   const auto camera = host::view_as<Camera>(record);
   const auto assumed = camera ? CameraAssumption::of(*camera) : std::nullopt;
@@ -102,12 +102,12 @@ ordered_json assumed_camera(const host::Record& record) {
           {"from", assumed->from}};
 }
 
-/// Text of any bytes as JSON: what is no UTF-8 is replaced.
+/// Text of any bytes as JSON: replaces bytes that are not UTF-8.
 std::string dump(const ordered_json& object, int indent = -1) {
   return object.dump(indent, ' ', false, ordered_json::error_handler_t::replace);
 }
 
-/// What a filter has left of its matches, without the matches themselves.
+/// Counts of the matches that a filter kept, without the matches themselves.
 host::RecordPtr mask_of(const host::Record& matches) {
   auto mask = std::make_shared<host::Record>(InlierMask::kType);
   for (const char* array : {"kept", "score", "confidence"}) mask->share(matches, array);
@@ -122,7 +122,7 @@ host::RecordPtr mask_of_none(const host::Record& matches) {
       InlierMask{Array<std::uint8_t>({count}, 0), Array<double>({count}, 0.0), {}});
 }
 
-/// The truth without its images, of which one is larger than all that a frame leaves otherwise.
+/// The truth without its images. One image is larger than everything else that a frame leaves.
 host::RecordPtr without_images(const host::Record& truth) {
   auto kept = std::make_shared<host::Record>(truth.type());
   const weft_record view = truth.view("");
@@ -155,13 +155,13 @@ void add_warps(const Graph& graph, const FrameResult& frame, host::NamedRecords&
   }
 }
 
-/// What the last pass that makes this output says.
+/// Adds the record of the last pass that makes this output.
 void add_last(const std::string& slot, const Graph& graph, const FrameResult& frame,
               host::NamedRecords& records) {
   host::RecordPtr last;
   for (std::size_t i = 0; i < frame.values.size(); ++i) {
-    const bool told = graph.values[i].slot == slot && frame.values[i] != nullptr;
-    if (told) last = frame.values[i];
+    const bool has_value = graph.values[i].slot == slot && frame.values[i] != nullptr;
+    if (has_value) last = frame.values[i];
   }
   if (last != nullptr) records.emplace_back(slot, last);
 }
@@ -208,7 +208,7 @@ host::NamedRecords frame_records(const Graph& graph, const FrameResult& frame,
 
 Result<RunFolder> RunFolder::create(const std::string& given) {
   fs::path absolute = fs::absolute(given);
-  if (!absolute.has_filename()) absolute = absolute.parent_path();  // of "runs/mine/"
+  if (!absolute.has_filename()) absolute = absolute.parent_path();  // for "runs/mine/"
   const std::string path = absolute.string();
   const Error taken =
       io_error(given, "exists and is not an empty folder; choose another with --out");
@@ -216,7 +216,7 @@ Result<RunFolder> RunFolder::create(const std::string& given) {
   std::error_code code = make_folders(folder_of(path));
   const bool is_new = !code && fs::create_directory(path, code);
   if (!code) code = make_folders(path);
-  // Of two runs that begin together one makes this folder.
+  // If two runs begin together, one makes this folder.
   if (!code && !fs::create_directory(path + "/frames", code) && !code) return taken;
   if (code) return io_error(given, "cannot be created: " + code.message());
   RunFolder folder(path);

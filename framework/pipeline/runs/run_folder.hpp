@@ -33,21 +33,21 @@ class RunFolder {
 
   const std::string& path() const { return path_; }
 
-  /// Writes configuration, provenance and template, before the first frame. The source has so many
-  /// frames, -1 where nobody knows.
+  /// Writes configuration, provenance and template, before the first frame. The argument is the
+  /// number of frames of the source, -1 if unknown.
   Result<void> begin(const PipelineConfig& config, const host::Record& templ,
                      const host::Record& camera, std::int64_t source_frames);
 
   /// Writes one frame and what is kept of it; its line is flushed.
   Result<void> add(const FrameResult& frame, const host::NamedRecords& records);
 
-  /// Writes all frames to the disk, then end.json: how many frames there are, so that a reader
-  /// knows that none is missing, and how many were dropped where that may be (`drops`); and what
-  /// they say of the camera.
+  /// Writes all frames to the disk, then end.json: the number of frames, with which a reader can
+  /// check that none is missing. If frames may be dropped (`drops`), it has the number of dropped
+  /// ones too, and the evidence of the frames about the camera.
   Result<void> end(const RunSummary& summary, bool drops) const;
 
-  /// Removes what is in the folder, and the folder unless it was there before: it was new or empty,
-  /// so that all is of this run.
+  /// Removes the contents of the folder, and the folder unless it was there before: it was new or
+  /// empty, so that everything in it belongs to this run.
   void withdraw();
 
  private:

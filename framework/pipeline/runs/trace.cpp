@@ -17,7 +17,7 @@ using nlohmann::ordered_json;
 std::chrono::nanoseconds length_of(const Timing& call) {
   constexpr double kLongest_ms = 1e12;
   const bool legal =
-      call.took.ms >= 0.0 && call.took.ms < kLongest_ms;  // a worker may say anything
+      call.took.ms >= 0.0 && call.took.ms < kLongest_ms;  // a worker may report any number
   return std::chrono::nanoseconds(legal ? std::llround(call.took.ms * 1e6) : 0);
 }
 
@@ -43,7 +43,7 @@ std::string label(const char* kind, const std::string& name, int track) {
       {{"name", kind}, {"ph", "M"}, {"pid", track}, {"tid", track}, {"args", {{"name", name}}}});
 }
 
-/// By start; of calls that start together the longer one, which made the other, comes first.
+/// Sorts by start; of calls that start together the longer one, which made the other, comes first.
 void sort(host::Timings& calls) {
   std::reverse(calls.begin(), calls.end());
   std::stable_sort(calls.begin(), calls.end(), [](const Timing& a, const Timing& b) {

@@ -17,22 +17,23 @@ void WarningLog::note(const std::string& component, int level, const std::string
   constexpr int kWarning = 2;
   if (level < kWarning) return;
   const std::lock_guard lock(mutex_);
-  Told& told = told_[frame];
+  FrameWarnings& logged = logged_[frame];
   const std::pair what{component, text};
-  const bool is_known = std::find(told.texts.begin(), told.texts.end(), what) != told.texts.end();
-  if (!is_known && told.texts.size() < kMost) told.texts.push_back(what);
-  if (!is_known && told.texts.back() != what) ++told.more[component];
-  if (frame == host::kOfflineFrame) file_told(frame, 0);
+  const bool is_known =
+      std::find(logged.texts.begin(), logged.texts.end(), what) != logged.texts.end();
+  if (!is_known && logged.texts.size() < kMost) logged.texts.push_back(what);
+  if (!is_known && logged.texts.back() != what) ++logged.more[component];
+  if (frame == host::kOfflineFrame) file_logged(frame, 0);
 }
 
 void WarningLog::file(std::uint64_t frame) {
   const std::lock_guard lock(mutex_);
-  file_told(frame, 1);
+  file_logged(frame, 1);
 }
 
 void WarningLog::forget(std::uint64_t frame) {
   const std::lock_guard lock(mutex_);
-  told_.erase(frame);
+  logged_.erase(frame);
 }
 
 std::vector<RunWarning> WarningLog::take() {
@@ -47,27 +48,27 @@ std::vector<RunWarning> WarningLog::take() {
   return std::exchange(warnings_, {});
 }
 
-void WarningLog::file_told(std::uint64_t frame, std::int64_t frames) {
-  Told told = std::exchange(told_[frame], {});
-  for (const auto& [component, text] : told.texts) {
+void WarningLog::file_logged(std::uint64_t frame, std::int64_t frames) {
+  FrameWarnings logged = std::exchange(logged_[frame], {});
+  for (const auto& [component, text] : logged.texts) {
     const auto same = [&, &by = component, &said = text](const RunWarning& warning) {
       return warning.component == by && warning.text == said;
     };
     auto known = std::find_if(warnings_.begin(), warnings_.end(), same);
     if (known == warnings_.end()) {
       if (warnings_.size() == kMost) {
-        ++told.more[component];
+        ++logged.more[component];
         continue;
       }
       known = warnings_.insert(known, {component, text, 0});
     }
     known->frames += frames;
   }
-  for (const auto& [component, warnings] : told.more) {
+  for (const auto& [component, warnings] : logged.more) {
     more_[component].warnings += warnings;
     more_[component].frames += frames;
   }
-  told_.erase(frame);
+  logged_.erase(frame);
 }
 
 }  // namespace weft

@@ -12,8 +12,8 @@
 
 namespace weft {
 
-/// Counts what components warn of, each text once a frame. Frames may warn in any order: they are
-/// counted when they are filed. Of a frame and of all frames the first 100 different texts are
+/// Counts warnings of components, each text once a frame. Frames may warn in any order: they are
+/// counted when they are filed. The first 100 different texts of a frame and of all frames are
 /// kept; of the others each component's number. From any thread.
 class WarningLog {
  public:
@@ -28,18 +28,18 @@ class WarningLog {
   std::vector<RunWarning> take();
 
  private:
-  struct Told {
+  struct FrameWarnings {
     std::vector<std::pair<std::string, std::string>> texts;  ///< component, text
     std::map<std::string, std::int64_t> more;                ///< beyond those, by component
   };
   struct More {
-    std::int64_t warnings = 0, frames = 0;
+    std::int64_t warnings = 0, frames = 0;  ///< [] numbers of further ones
   };
 
-  void file_told(std::uint64_t frame, std::int64_t frames);
+  void file_logged(std::uint64_t frame, std::int64_t frames);
 
   std::mutex mutex_;
-  std::map<std::uint64_t, Told> told_;  ///< by frame, not yet filed
+  std::map<std::uint64_t, FrameWarnings> logged_;  ///< by frame, not yet filed
   std::vector<RunWarning> warnings_;
   std::map<std::string, More> more_;  ///< that are not among them, by component
 };

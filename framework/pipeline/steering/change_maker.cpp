@@ -13,7 +13,7 @@ namespace {
 
 Error refused(std::string why) { return {Errc::unsupported, std::move(why)}; }
 
-/// What a setting sets: "filters.alpha_s".
+/// Path of a setting: "filters.alpha_s".
 std::string_view path_of(std::string_view setting) { return setting.substr(0, setting.find('=')); }
 
 /// The keys of a component beside its parameters decide what it is, and what it reads and when.
@@ -99,7 +99,7 @@ Result<PipelineChange> ChangeMaker::changed(std::size_t stage, CheckedPipeline c
 }
 
 void ChangeMaker::discard(const PipelineChange& change) const {
-  for (const StageChange& stage : change.stages) maker_.lane.discard(*stage.made.instance);
+  for (const StageChange& stage : change.stages) maker_.context.discard(*stage.made.instance);
 }
 
 }  // namespace weft

@@ -18,18 +18,18 @@ struct StageChange {
   MadeStage made;
 };
 
-/// What a setting comes to.
+/// The result of a setting.
 struct PipelineChange {
-  std::vector<StageChange> stages;  ///< none where it says what is so already
+  std::vector<StageChange> stages;  ///< empty if the setting changes nothing
   std::string settings;             ///< settings_json() from then on
 };
 
-/// Makes changes of a running pipeline, one behind another: each is laid over those before it. For
-/// one thread, beside the frames.
+/// Makes changes of a running pipeline, one behind another: each is merged into those before it.
+/// For one thread, beside the frames.
 class ChangeMaker {
  public:
-  /// The running pipeline with these settings laid over it, checked and wired; the Error says what
-  /// is wrong with them.
+  /// The running pipeline with these settings merged into it, checked and wired; the Error
+  /// describes their first error.
   using Check = std::function<Result<CheckedPipeline>(const std::vector<std::string>& settings)>;
 
   /// The pipeline outlives this.
@@ -40,7 +40,7 @@ class ChangeMaker {
   /// before stay.
   Result<PipelineChange> make(const std::string& setting);
 
-  /// For a change that nobody wants any more.
+  /// Discards a change that is not needed any more.
   void discard(const PipelineChange& change) const;
 
  private:

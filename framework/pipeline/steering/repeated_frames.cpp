@@ -17,13 +17,13 @@ Result<RepeatedFrames> RepeatedFrames::of(const RecordedRun& run, const Pipeline
 }
 
 std::optional<PipelineInput::Frame> RepeatedFrames::read(std::uint64_t place, PipelineInput& input,
-                                                         host::Lane& lane) const {
+                                                         host::ExecutionContext& context) const {
   if (place >= numbers_.size()) return std::nullopt;
   const std::uint64_t number = numbers_[place];
   const std::uint64_t index = is_recording_ ? place : number;
   auto frame = input.read(index);
   if (!frame) return frame;
-  if (index != number) lane.take_timings(index);  // the report of the source has them
+  if (index != number) context.times().take(index);  // the report of the source has them
   frame->input.index = number;
   frame->input.dropped_before = number - (place == 0 ? 0 : numbers_[place - 1] + 1);
   return frame;

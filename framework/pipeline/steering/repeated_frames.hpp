@@ -14,7 +14,7 @@ namespace weft {
 /// Settings that are to hold from a frame on, by its number.
 using ChangesByFrame = std::map<std::uint64_t, std::vector<std::string>>;
 
-/// What an earlier run took and changed, to be done again.
+/// Frames and changes of an earlier run, to be repeated.
 struct RecordedRun {
   std::vector<std::uint64_t> frames;  ///< their numbers, ascending
   ChangesByFrame changes;
@@ -29,7 +29,7 @@ class RepeatedFrames {
 
   /// The frame at that place in the earlier run; nothing behind its last one.
   std::optional<PipelineInput::Frame> read(std::uint64_t place, PipelineInput& input,
-                                           host::Lane& lane) const;
+                                           host::ExecutionContext& context) const;
 
  private:
   std::vector<std::uint64_t> numbers_;

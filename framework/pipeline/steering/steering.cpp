@@ -7,9 +7,9 @@
 namespace weft {
 namespace {
 
-/// Whoever made the wish may be gone: that is no error of the run.
-void tell(const host::Instance& sink, const WishAnswer& answer) {
-  static_cast<void>(host::Lane::answer(sink, answer));
+/// Whoever made the change request may be gone: that is no error of the run.
+void tell(const host::Instance& sink, const ChangeAnswer& answer) {
+  static_cast<void>(host::ExecutionContext::answer(sink, answer));
 }
 
 }  // namespace
@@ -33,38 +33,38 @@ Steering::~Steering() {
 }
 
 bool Steering::wait_for_turn(const std::function<bool()>& cancelled) {
-  constexpr std::chrono::milliseconds kAskEvery{10};  // nobody wakes a run for a wish
-  for (take_wishes(); pace_ == Pace::pausing && !cancelled(); take_wishes()) {
+  constexpr std::chrono::milliseconds kAskEvery{10};  // nobody wakes a run for a change request
+  for (take_change_requests(); pace_ == Pace::pausing && !cancelled(); take_change_requests()) {
     std::this_thread::sleep_for(kAskEvery);
   }
   if (pace_ == Pace::stepping) pace_ = Pace::pausing;
   return pace_ != Pace::ended && !cancelled();
 }
 
-void Steering::take_wishes() {
+void Steering::take_change_requests() {
   for (const host::Instance* sink : sinks_) {
-    const auto wishes = host::Lane::take_wishes(*sink);
-    if (!wishes) continue;
-    for (const Wish& wish : *wishes) hear(*sink, wish);
+    const auto requests = host::ExecutionContext::take_change_requests(*sink);
+    if (!requests) continue;
+    for (const ChangeRequest& request : *requests) hear(*sink, request);
   }
 }
 
-void Steering::hear(const host::Instance& sink, const Wish& wish) {
+void Steering::hear(const host::Instance& sink, const ChangeRequest& request) {
   constexpr std::string_view kSet = "set ";
-  if (wish.text.starts_with(kSet)) {
-    return ask({&sink, wish.number, wish.text.substr(kSet.size())});
+  if (request.text.starts_with(kSet)) {
+    return ask({&sink, request.number, request.text.substr(kSet.size())});
   }
   static constexpr std::pair<std::string_view, Pace> kPaces[] = {{"pause", Pace::pausing},
                                                                  {"step", Pace::stepping},
                                                                  {"resume", Pace::going},
                                                                  {"stop", Pace::ended}};
   for (const auto& [word, pace] : kPaces) {
-    if (word != wish.text) continue;
+    if (word != request.text) continue;
     pace_ = pace;
-    return tell(sink, {wish.number, next_frame_, ""});
+    return tell(sink, {request.number, next_frame_, ""});
   }
-  tell(sink, {wish.number, 0,
-              "no run knows " + quote(wish.text) +
+  tell(sink, {request.number, 0,
+              "no run knows " + quote(request.text) +
                   "; wish for: set PATH=VALUE, pause, step, resume or stop"});
 }
 
@@ -129,18 +129,18 @@ Result<std::optional<std::string>> Steering::change(std::uint64_t frame) {
       executor_.change(stage.stage, std::move(stage.config), std::move(stage.made));
     }
     settings = std::move(each.change.settings);
-    held_.push_back(std::move(each.asked));
+    applied_.push_back(std::move(each.asked));
   }
   return settings;
 }
 
 void Steering::note(FrameResult& frame) {
   next_frame_ = frame.index + 1;
-  for (Asked& asked : held_) {
+  for (Asked& asked : applied_) {
     if (asked.sink != nullptr) tell(*asked.sink, {asked.number, frame.index, ""});
     frame.changes.push_back(std::move(asked.setting));
   }
-  held_.clear();
+  applied_.clear();
 }
 
 }  // namespace weft

@@ -16,16 +16,17 @@
 
 namespace weft {
 
-/// Lets those at the sinks change a run, pause and end it; or an earlier run, whose changes are
-/// repeated at their frames. Changes are made in a thread of its own. All functions are for the
+/// Lets clients of the sinks change a run, pause and end it; or an earlier run, whose changes are
+/// repeated at their frames. Changes are made in a separate thread. All functions are for the
 /// thread that begins frames.
 class Steering {
  public:
-  /// `sinks` are those at which somebody may steer. The executor and its lane outlive this.
+  /// `sinks` are those at which somebody may steer. The executor and its execution context outlive
+  /// this.
   Steering(ChangeMaker maker, Executor& executor, std::vector<const host::Instance*> sinks,
            ChangesByFrame repeated);
 
-  /// Ends the thread. What no frame had is discarded.
+  /// Ends the thread. Changes that reached no frame are discarded.
   ~Steering();
   Steering(const Steering&) = delete;
   Steering& operator=(const Steering&) = delete;
@@ -48,7 +49,7 @@ class Steering {
  private:
   struct Asked {
     const host::Instance* sink = nullptr;  ///< null: an earlier run
-    std::uint64_t number = 0;
+    std::uint64_t number = 0;              ///< identifier that the sink assigned
     std::string setting;
   };
   struct Made {
@@ -57,8 +58,8 @@ class Steering {
   };
   enum class Pace { going, stepping, pausing, ended };
 
-  void take_wishes();
-  void hear(const host::Instance& sink, const Wish& wish);
+  void take_change_requests();
+  void hear(const host::Instance& sink, const ChangeRequest& request);
   void ask(Asked asked);
   Result<void> repeat(std::uint64_t frame);
   void make_all();
@@ -69,7 +70,7 @@ class Steering {
   ChangesByFrame repeated_;
   Pace pace_ = Pace::going;
   std::uint64_t next_frame_ = 0;  ///< the least number that it can have
-  std::vector<Asked> held_;       ///< what the frame that begins changes
+  std::vector<Asked> applied_;    ///< what the frame that begins changes
 
   std::mutex mutex_;
   std::condition_variable changed_;

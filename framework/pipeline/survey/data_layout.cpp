@@ -83,7 +83,7 @@ Result<DataLayout> layout_of_yaml(const fs::path& file) {
   return layout;
 }
 
-/// Matches in files of their own, by the pattern or the file that names them.
+/// Matches in separate files, by the pattern or the file that names them.
 Result<DataLayout> layout_of_matches(const fs::path& folder, const std::string& files,
                                      const FileSources& sources, const std::string& given_camera) {
   auto camera = camera_beside(folder, given_camera);

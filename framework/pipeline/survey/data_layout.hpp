@@ -16,7 +16,7 @@ struct DataLayout {
   yaml::Node templ;     ///< {use, params} of the template that a YAML file names, or null
 };
 
-/// Ids of the sources that read files; the program says which.
+/// Ids of the sources that read files; set by the program.
 struct FileSources {
   std::string images, matches, video;
 };

@@ -9,7 +9,7 @@
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/surface_size.hpp>
 
-#include "host/calling/lane.hpp"
+#include "host/calling/execution_context.hpp"
 #include "host/loading/component_checks.hpp"
 #include "host/roles/role_rules.hpp"
 #include "pipeline/execution/checks.hpp"
@@ -58,7 +58,8 @@ void add_points(const GroundTruth& given, const Camera& camera, TruthSurvey& tru
 }
 
 void add_extent(const Array<double>& points_m, TruthSurvey& truth) {
-  constexpr std::int64_t kFewest = 3;  // of a surface; one or two may be as close as they like
+  constexpr std::int64_t kFewest =
+      3;  // points of a surface; one or two may be as close as they like
   if (!points_m.present() || points_m.dim(0) < kFewest) return;
   const Points3 all_m = points_m.matrix<3>();
   const double side_m = (all_m.colwise().maxCoeff() - all_m.colwise().minCoeff()).maxCoeff();
@@ -70,7 +71,7 @@ void add_truth(const GroundTruth& given, DataSurvey& survey) {
   if (truth.frames == 0) truth.fewest_points = given.count();
   ++truth.frames;
   ++survey.frames_with_truth;
-  truth.apart += given.apart.empty() ? 0 : 1;
+  truth.excluded += given.exclusion.empty() ? 0 : 1;
   truth.fewest_points = std::min(truth.fewest_points, given.count());
   truth.most_points = std::max(truth.most_points, given.count());
   truth.has["faces"] += given.faces.present();
@@ -105,7 +106,7 @@ void add_frame(const Outcome& read, DataSurvey& survey) {
   if (const auto truth = typed_in<GroundTruth>(read, "ground_truth")) add_truth(*truth, survey);
 }
 
-/// What is not wrong by itself, but changes what the data can show.
+/// Properties that are not errors, but change what the data can show.
 void add_findings(DataSurvey& survey) {
   const std::int64_t without = survey.frames - survey.frames_with_truth;
   const auto find = [&](bool found, const std::string& sentence) {
@@ -136,8 +137,8 @@ void add_findings(DataSurvey& survey) {
   }
 }
 
-/// What `weft check` would say of the template that the file with the source names, its size among
-/// it.
+/// Warnings of `weft check` about the template that the file with the source names, including its
+/// size.
 void add_template(const DataLayout& layout, const host::Registry& registry, DataSurvey& survey) {
   const yaml::Node* use = layout.templ.find("use");
   if (use == nullptr) return;
@@ -167,18 +168,19 @@ Result<DataSurvey> survey_data(const DataLayout& layout, const host::Registry& r
       host::PathRules::of_process({layout.folder}, layout.folder), problems);
   if (!spec) return problem_of(problems, layout);
   DataSurvey survey;
-  host::Lane lane(0, [&](const std::string&, int, const std::string& text, std::uint64_t frame) {
-    if (frame == host::kOfflineFrame) survey.findings.push_back(text);
-  });
-  lane.watch([&] { return cancel.load(); });
-  const auto source = lane.instantiate(*spec, "sources");
+  host::ExecutionContext context(
+      0, [&](const std::string&, int, const std::string& text, std::uint64_t frame) {
+        if (frame == host::kOfflineFrame) survey.findings.push_back(text);
+      });
+  context.cancellation().watch([&] { return cancel.load(); });
+  const auto source = context.instantiate(*spec, "sources");
   if (!source) return source.error();
-  const Outcome opened = lane.call(**source, kOpenSource, {}, host::kOfflineFrame);
+  const Outcome opened = context.call(**source, kOpenSource, {}, host::kOfflineFrame);
   if (!opened.usable()) return opened.error;
   if (auto valid = check_camera(*opened.find("camera")); !valid) {
     return Error{valid.error().code, valid.error().message, spec->component().id};
   }
-  const Outcome counted = lane.call(**source, kCountFrames, {}, host::kOfflineFrame);
+  const Outcome counted = context.call(**source, kCountFrames, {}, host::kOfflineFrame);
   if (!counted.usable()) return counted.error;
   survey.kind = layout.kind;
   survey.source = spec->component().id;
@@ -186,7 +188,7 @@ Result<DataSurvey> survey_data(const DataLayout& layout, const host::Registry& r
   survey.assumed = CameraAssumption::of(survey.camera);
   const std::int64_t count = typed_in<Count>(counted, "count")->frames;
   for (std::int64_t i = 0; (count < 0 || i < count) && !cancel.load(); ++i) {
-    const Outcome read = lane.call(**source, kReadFrame, {}, static_cast<std::uint64_t>(i));
+    const Outcome read = context.call(**source, kReadFrame, {}, static_cast<std::uint64_t>(i));
     if (read.status == WEFT_END || (!read.usable() && cancel.load())) break;
     ++survey.frames;
     if (read.usable()) add_frame(read, survey);

@@ -26,14 +26,14 @@ double box_diagonal_px(const Correspondences& matches) {
 
 /// The last matches of a frame, as filters left them.
 Result<host::RecordPtr> matches_in(const PipelineConfig& config, const Graph& graph,
-                                   host::Lane& lane, const host::RecordPtr& templ,
+                                   host::ExecutionContext& context, const host::RecordPtr& templ,
                                    const host::RecordPtr& camera, const FrameInput& input) {
   const int value = graph.latest("correspondences");
   if (value < 0) {
     return Error{Errc::invalid_value,
                  "the pipeline has no matches to judge the template by: give it a matcher"};
   }
-  auto executor = Executor::create(config, graph, lane, templ, camera);
+  auto executor = Executor::create(config, graph, context, templ, camera);
   if (!executor) return executor.error();
   FrameResult result = (*executor)->begin(input);
   const int last = graph.values[to_index(value)].stage;
@@ -45,8 +45,8 @@ Result<host::RecordPtr> matches_in(const PipelineConfig& config, const Graph& gr
 }  // namespace
 
 Result<FirstFrame> look_at_first_frame(const PipelineConfig& config, const Graph& graph,
-                                       host::Lane& lane, std::int64_t frames) {
-  auto input = PipelineInput::open(config, lane);
+                                       host::ExecutionContext& context, std::int64_t frames) {
+  auto input = PipelineInput::open(config, context);
   if (!input) return input.error();
   const auto frame = input->read(0);
   if (!frame || !frame->input.failure.empty()) {
@@ -57,7 +57,7 @@ Result<FirstFrame> look_at_first_frame(const PipelineConfig& config, const Graph
   first.templ = input->templ();
   first.camera = input->camera();
   first.image = frame->input.find("image");
-  auto given = matches_in(config, graph, lane, first.templ, first.camera, frame->input);
+  auto given = matches_in(config, graph, context, first.templ, first.camera, frame->input);
   // A filter that trusts no set tells as much as one that keeps few.
   if (!given && given.error().code != Errc::no_result) return given.error();
   if (given) first.matches = *std::move(given);
@@ -79,7 +79,7 @@ Result<FirstFrame> look_at_first_frame(const PipelineConfig& config, const Graph
   }
   const auto record = host::Record::copy_of(mirrored(*templ));
   if (record == nullptr) return Error{Errc::no_memory, "no memory for the mirrored texture"};
-  const auto turned = matches_in(config, graph, lane, record, first.camera, frame->input);
+  const auto turned = matches_in(config, graph, context, record, first.camera, frame->input);
   if (turned) {
     const auto matches = host::view_as<Correspondences>(**turned);
     if (!matches) return matches.error();
@@ -90,7 +90,7 @@ Result<FirstFrame> look_at_first_frame(const PipelineConfig& config, const Graph
     const auto other = input->read(static_cast<std::uint64_t>(i));
     if (!other) break;
     if (!other->input.failure.empty()) continue;
-    auto matches = matches_in(config, graph, lane, first.templ, first.camera, other->input);
+    auto matches = matches_in(config, graph, context, first.templ, first.camera, other->input);
     if (matches) first.others.push_back(*std::move(matches));
   }
   return first;

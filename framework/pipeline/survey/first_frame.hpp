@@ -6,17 +6,17 @@
 
 namespace weft {
 
-/// A pipeline's frame 0 up to its last matches, and what they say.
+/// A pipeline's frame 0 up to its last matches, and their evidence.
 struct FirstFrame {
   FirstLook look;
   host::RecordPtr templ, camera, image;
   host::RecordPtr matches;              ///< null where a stage had none
-  std::vector<host::RecordPtr> others;  ///< matches of the frames behind it that were asked for
+  std::vector<host::RecordPtr> others;  ///< matches of the requested frames behind it
 };
 
 /// Runs the stages up to the matches on frame 0, with the texture as it is and mirrored, and on
 /// the other ones of the first `frames` frames, as far as they can be read and have matches.
 Result<FirstFrame> look_at_first_frame(const PipelineConfig& config, const Graph& graph,
-                                       host::Lane& lane, std::int64_t frames = 1);
+                                       host::ExecutionContext& context, std::int64_t frames = 1);
 
 }  // namespace weft

@@ -16,11 +16,11 @@ double median_size(const TextureResiduals& residuals) {
   return median(off_px);
 }
 
-/// Of all frames that show the object at rest; `used` is their number.
+/// Uses all frames that show the object at rest; `used` is their number.
 std::optional<TextureResiduals> residuals_of(const std::vector<Correspondences>& frames,
                                              const Template& templ, const Camera& camera,
                                              std::int64_t& used) {
-  constexpr double kAtRest = 0.02;  // of the size, see faults_of()
+  constexpr double kAtRest = 0.02;  // relative to the size, see faults_of()
   const Points2 flat_px = templ.flat_px.matrix<2>();
   const double size_px = (flat_px.colwise().maxCoeff() - flat_px.colwise().minCoeff()).norm();
   std::optional<TextureResiduals> all;

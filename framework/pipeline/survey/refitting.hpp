@@ -12,8 +12,8 @@ struct RefittedTemplate {
   ResidualField before, after;
 };
 
-/// Corrects the texture coordinates in a few rounds, each with poses of its own. Frames in which
-/// the object at rest is more than 2 % of its size off its matches are not used. no_result where no
+/// Corrects the texture coordinates in a few rounds, each with its own poses. Frames in which the
+/// object at rest is more than 2 % of its size off its matches are not used. no_result where no
 /// frame is left, or too few matches.
 Result<RefittedTemplate> refit(const FirstFrame& first);
 

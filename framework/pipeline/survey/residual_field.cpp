@@ -65,7 +65,7 @@ class FieldFit {
     return normal.ldlt().solve(equations.right);
   }
 
-  /// What fields with these control points leave of the residuals.
+  /// Residuals after fields with these control points.
   Points2 left(const Points2& control_px) const { return off_px_ - rows_ * control_px; }
 
  private:
@@ -117,7 +117,7 @@ class Folds {
 
  private:
   const FieldFit& fit_;
-  std::vector<Eigen::VectorXd> others_;  ///< weights of those that are left out
+  std::vector<Eigen::VectorXd> others_;  ///< weights of the omitted ones
   std::vector<FieldFit::Equations> equations_;
 };
 
@@ -138,7 +138,8 @@ SplineDomain domain_over(const Template& templ) {
 TextureResiduals texture_residuals(const Template& templ, const Camera& camera,
                                    const Correspondences& matches,
                                    const RigidAlignment& camera_from_template) {
-  constexpr double kFlattest = 0.2;  // of a circle on the surface, as the camera sees it
+  constexpr double kFlattest =
+      0.2;  // ratio of the axes of a circle on the surface, as the camera sees it
   const Points3 vertices_m = transform_points(camera_from_template, templ.vertices_m.matrix<3>());
   const Points2 flat_px = templ.flat_px.matrix<2>();
   const Faces faces = templ.faces.matrix<3>();

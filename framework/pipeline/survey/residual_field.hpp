@@ -18,9 +18,9 @@ struct TextureResiduals {
   Points2 off_px;  ///< [N,2] px: where the match has it, minus at_px
 };
 
-/// Of the kept matches. The distance in the image from where the pose has a match becomes one in
-/// the texture by the inverse of d(image)/d(texture) there; matches on faces that are seen under
-/// less than about 12 degrees are omitted.
+/// Residuals of the kept matches. The distance in the image from where the pose has a match is
+/// converted into one in the texture by the inverse of d(image)/d(texture) there. Matches on faces
+/// that are seen under less than about 12 degrees are omitted.
 TextureResiduals texture_residuals(const Template& templ, const Camera& camera,
                                    const Correspondences& matches,
                                    const RigidAlignment& camera_from_template);
@@ -35,15 +35,15 @@ struct ResidualField {
   SplineDomain domain;
   Points2 control_px;                                    ///< [nu*nv,2]
   std::int64_t matches = 0;                              ///< [] that it was fitted to
-  double rms_px = 0.0;                                   ///< of the field at the matches
-  double most_px = 0.0;                                  ///< of the field at a match
+  double rms_px = 0.0;                                   ///< RMS of the field at the matches
+  double most_px = 0.0;                                  ///< largest value of the field at a match
   Eigen::Vector2d most_at_px = Eigen::Vector2d::Zero();  ///< where that is
   double noise_px = 0.0;                                 ///< rms of what the field leaves
   double predicted = 0.0;  ///< share of the squares of left-out residuals that others predict
 
-  /// What is to be added to texture coordinates, px.
+  /// Correction of texture coordinates, px.
   Eigen::Vector2d operator()(const Eigen::Vector2d& at_px) const;
-  /// Whether texture coordinates are off: by a pixel or more, and not by noise.
+  /// True if texture coordinates are off: by a pixel or more, and not by noise.
   bool is_coherent() const;
 };
 
@@ -51,7 +51,7 @@ struct ResidualField {
 std::optional<ResidualField> fit_residual_field(const Template& templ,
                                                 const TextureResiduals& residuals);
 
-/// The template with corrected texture coordinates, within its picture.
+/// The template with corrected texture coordinates, within its image.
 Template corrected(const Template& templ, const ResidualField& field);
 
 }  // namespace weft

@@ -32,7 +32,7 @@ Vector6d gauss_newton_step(const Pinhole& camera, const Points3& points_m, const
     Eigen::Matrix<double, 2, 3> by_place;
     by_place << camera.fx / at.z(), 0.0, -camera.fx * at.x() / (at.z() * at.z()),  //
         0.0, camera.fy / at.z(), -camera.fy * at.y() / (at.z() * at.z());
-    Eigen::Matrix3d by_turn;  // of turned, by a small rotation
+    Eigen::Matrix3d by_turn;  // derivative of turned by a small rotation
     by_turn << 0.0, turned.z(), -turned.y(), -turned.z(), 0.0, turned.x(), turned.y(), -turned.x(),
         0.0;
     Eigen::Matrix<double, 2, 6> jacobian;

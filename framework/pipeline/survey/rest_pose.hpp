@@ -11,7 +11,7 @@ namespace weft {
 /// Where an object at rest is in a frame.
 struct RestPose {
   RigidAlignment camera_from_template;
-  double median_px = 0.0;  ///< of the distances of matches from where the pose has them
+  double median_px = 0.0;  ///< median distance of matches from where the pose has them
 };
 
 /// The rigid pose that explains points [N,3] m seen at pixels [N,2] best: Geman-McClure's robust

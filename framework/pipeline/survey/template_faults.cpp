@@ -40,7 +40,7 @@ std::string tenths(double value) {
   return text.data();
 }
 
-/// The flip of the best fit, and those that a symmetric object does not tell from it.
+/// The flip of the best fit, and those that a symmetric object does not distinguish from it.
 std::string flips_like(const FlippedFit& best, const std::vector<FlippedFit>& fits) {
   constexpr double kAlike = 1.25;  // noise alone makes medians of a few hundred differ by less
   std::string flips;
@@ -52,7 +52,7 @@ std::string flips_like(const FlippedFit& best, const std::vector<FlippedFit>& fi
   return flips + (count == 1 ? "; set that" : ", which fit alike; set one of them");
 }
 
-/// Whether the texture coordinates are those of the mirrored picture too.
+/// True if the texture coordinates fit the mirrored image too.
 bool mirrors_mesh_too(const FirstLook& look) {
   constexpr double kClearly = 2.0, kNoise_px = 1.0;
   const auto median_of = [&](Flip flip) {
@@ -61,7 +61,7 @@ bool mirrors_mesh_too(const FirstLook& look) {
     }
     return std::numeric_limits<double>::infinity();
   };
-  // Mirroring the picture for this look has mirrored its coordinates as well.
+  // Mirroring the image for this look has mirrored its coordinates as well.
   return median_of(Flip::u) > std::max(kNoise_px, kClearly * median_of(Flip::none));
 }
 
@@ -122,7 +122,7 @@ std::vector<FlippedFit> fit_flipped(const Template& templ, const Camera& camera,
 
 std::optional<TextureResiduals> residuals_at_rest(const Template& templ, const Camera& camera,
                                                   const Correspondences& matches) {
-  constexpr double kWide = 3.0, kLeast_px = 3.0;  // of the robust scale
+  constexpr double kWide = 3.0, kLeast_px = 3.0;  // multiples of the robust scale
   const auto locator = FaceLocator::create(templ.flat_px.matrix<2>(), templ.faces.matrix<3>());
   if (!locator) return std::nullopt;
   const SeenPoints seen = seen_points(templ, *locator, matches, Flip::none);

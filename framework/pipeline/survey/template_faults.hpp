@@ -26,15 +26,15 @@ struct FlippedFit {
   RestPose pose;
 };
 
-/// What a frame that shows the object about at rest says of its template.
+/// Evidence of a frame that shows the object about at rest about its template.
 struct FirstLook {
   std::int64_t kept = 0;           ///< [] matches that filters left
-  std::int64_t kept_mirrored = 0;  ///< [] the same with the picture of the texture mirrored
+  std::int64_t kept_mirrored = 0;  ///< [] the same with the image of the texture mirrored
   double size_px = 0.0;            ///< [] diagonal of the box around those matches
   std::vector<FlippedFit> fits;    ///< as given first; without those that no pose explains
-  /// The same with the picture of the texture mirrored.
+  /// The same with the image of the texture mirrored.
   std::vector<FlippedFit> fits_mirrored = {};
-  /// What is left of the fit as given, smooth in the texture.
+  /// Residuals of the fit as given, smooth in the texture.
   std::optional<ResidualField> field = {};
 };
 
@@ -42,7 +42,7 @@ struct FirstLook {
 std::vector<FlippedFit> fit_flipped(const Template& templ, const Camera& camera,
                                     const Correspondences& matches);
 
-/// The same object with its picture, and all in it, mirrored left to right.
+/// The same object with its image, and all in it, mirrored left to right.
 Template mirrored(const Template& templ);
 
 /// Sentences that name each fault and what mends it; empty where there is none.

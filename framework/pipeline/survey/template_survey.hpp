@@ -9,24 +9,24 @@
 
 namespace weft {
 
-/// What can be said of a template in numbers.
+/// Numbers that describe a template.
 struct TemplateSurvey {
-  Eigen::Index vertices = 0, faces = 0, edges = 0, border_edges = 0;
+  Eigen::Index vertices = 0, faces = 0, edges = 0, border_edges = 0;  ///< [] counts
   double shortest_edge_mm = 0.0, mean_edge_mm = 0.0, longest_edge_mm = 0.0;
-  double least_angle_deg = 0.0;                        ///< of a face, at rest
-  double area_cm2 = 0.0;                               ///< of all faces, at rest
-  Eigen::Vector3d size_mm = Eigen::Vector3d::Zero();   ///< of the box around it
+  double least_angle_deg = 0.0;                        ///< smallest angle of a face, at rest
+  double area_cm2 = 0.0;                               ///< area of all faces, at rest
+  Eigen::Vector3d size_mm = Eigen::Vector3d::Zero();   ///< size of the box around it
   Eigen::Vector2d texel_mm = Eigen::Vector2d::Zero();  ///< mean along u and v
-  double distortion = 0.0;                             ///< of faces against that mean
+  double distortion = 0.0;                             ///< deviation of faces from that mean
   bool flat = false;                                   ///< all vertices in one plane
   std::int64_t texture_width_px = 0, texture_height_px = 0;
-  double mask_share = 0.0;  ///< of the texture that is the object
+  double mask_share = 0.0;  ///< share of the texture that is the object
 };
 
-/// Of a template that check_template() accepts.
+/// For a template that check_template() accepts.
 TemplateSurvey survey_template(const Template& templ);
 
-/// What is doubtful about a template, by its numbers alone: a texture that is stretched on it.
+/// Doubts about a template, by its numbers alone: a texture that is stretched on it.
 std::vector<std::string> warnings_of(const TemplateSurvey& numbers);
 
 }  // namespace weft

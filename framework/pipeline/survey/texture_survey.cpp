@@ -18,10 +18,10 @@
 namespace weft {
 namespace {
 
-constexpr double kView_px = 400.0;       // a sheet that fills two thirds of an image of 640 px
-constexpr std::uint64_t kSeed = 1;       // of the view's noise
-constexpr double kRatio = 0.8;           // of the matchers' ratio test
-constexpr double kUsualDistance = 0.25;  // of right matches (RootSIFT), where there are too few
+constexpr double kView_px = 400.0;       // a surface that fills two thirds of an image of 640 px
+constexpr std::uint64_t kSeed = 1;       // seed of the view's noise
+constexpr double kRatio = 0.8;           // threshold of the matchers' ratio test
+constexpr double kUsualDistance = 0.25;  // distance of inliers (RootSIFT), where there are too few
 
 // Half of the matches may be hidden or blurred, and 30 are the least that a template is checked by.
 constexpr std::int64_t kFewestMatches = 60;
@@ -33,9 +33,9 @@ constexpr double kMostGapEdges = 2.0, kMostGapOfSize = 0.1;
 using Floats = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// What a stage makes of these inputs; null where the data do not determine an answer.
-Result<host::RecordPtr> made_by(host::Lane& lane, host::Instance& instance,
+Result<host::RecordPtr> made_by(host::ExecutionContext& context, host::Instance& instance,
                                 std::span<const weft_record> inputs, const char* slot) {
-  const host::Outcome outcome = lane.call(instance, kRunStage, inputs, host::kOfflineFrame);
+  const host::Outcome outcome = context.call(instance, kRunStage, inputs, host::kOfflineFrame);
   if (outcome.usable()) return outcome.find(slot);
   if (outcome.status == WEFT_NO_RESULT) return host::RecordPtr();
   return outcome.error;
@@ -47,7 +47,7 @@ struct FoundKeypoints {
   host::RecordPtr of_view;
 };
 
-Result<FoundKeypoints> keypoints_of(host::Lane& lane, host::Instance& detector,
+Result<FoundKeypoints> keypoints_of(host::ExecutionContext& context, host::Instance& detector,
                                     const TextureView& view, const host::Record& templ) {
   const auto texture = texture_input(templ);
   if (!texture) return texture.error();
@@ -58,9 +58,9 @@ Result<FoundKeypoints> keypoints_of(host::Lane& lane, host::Instance& detector,
   const weft_record texture_inputs[] = {texture->image->view("image"),
                                         texture->region->view("region")};
   const weft_record view_inputs[] = {view_record->view("image")};
-  auto of_texture = made_by(lane, detector, texture_inputs, "keypoints");
+  auto of_texture = made_by(context, detector, texture_inputs, "keypoints");
   if (!of_texture) return of_texture.error();
-  auto of_view = made_by(lane, detector, view_inputs, "keypoints");
+  auto of_view = made_by(context, detector, view_inputs, "keypoints");
   if (!of_view) return of_view.error();
   FoundKeypoints found{nullptr, *std::move(of_view)};
   if (*of_texture == nullptr) return found;
@@ -70,20 +70,20 @@ Result<FoundKeypoints> keypoints_of(host::Lane& lane, host::Instance& detector,
   return found;
 }
 
-/// The right matches of the texture with a view of it.
+/// The inliers of the texture with a view of it.
 struct RightMatches {
-  std::vector<Eigen::Vector2d> places_px;  ///< of the texture
-  std::vector<double> distances;           ///< of their descriptors
+  std::vector<Eigen::Vector2d> places_px;  ///< places in the texture
+  std::vector<double> distances;           ///< distances of their descriptors
 };
 
-Result<RightMatches> right_matches(host::Lane& lane, host::Instance& matcher,
+Result<RightMatches> right_matches(host::ExecutionContext& context, host::Instance& matcher,
                                    const FoundKeypoints& found, const TextureView& view) {
   constexpr double kRight_px = 2.0;
   RightMatches right;
   if (found.of_view == nullptr) return right;
   const weft_record inputs[] = {found.of_view->view("keypoints"),
                                 found.of_texture->view("template_keypoints")};
-  const auto record = made_by(lane, matcher, inputs, "correspondences");
+  const auto record = made_by(context, matcher, inputs, "correspondences");
   if (!record) return record.error();
   if (*record == nullptr) return right;
   const auto matches = host::view_as<Correspondences>(**record);
@@ -203,21 +203,21 @@ Correspondences look_alikes(const Keypoints& points, double twin_distance) {
 Result<TextureSurvey> survey_texture(const host::Record& templ, const TemplateSurvey& numbers,
                                      const host::ComponentSpec& detector,
                                      const host::ComponentSpec& matcher) {
-  host::Lane lane(0, {});
-  const auto detecting = lane.instantiate(detector, "detectors");
+  host::ExecutionContext context(0, {});
+  const auto detecting = context.instantiate(detector, "detectors");
   if (!detecting) return detecting.error();
-  const auto matching = lane.instantiate(matcher, "matchers");
+  const auto matching = context.instantiate(matcher, "matchers");
   if (!matching) return matching.error();
   const auto typed = host::view_as<Template>(templ);
   if (!typed) return typed.error();
   const TextureView view = view_of_texture(*typed, kView_px, kSeed);
-  const auto found = keypoints_of(lane, **detecting, view, templ);
+  const auto found = keypoints_of(context, **detecting, view, templ);
   if (!found) return found.error();
   TextureSurvey survey;
   survey.view_px = kView_px;
   RightMatches right;
   if (found->of_texture != nullptr) {
-    auto matches = right_matches(lane, **matching, *found, view);
+    auto matches = right_matches(context, **matching, *found, view);
     if (!matches) return matches.error();
     right = *std::move(matches);
     const auto points = host::view_as<Keypoints>(*found->of_texture);

@@ -6,12 +6,12 @@
 #include <weft/data/correspondences.hpp>
 #include <weft/data/keypoints.hpp>
 
-#include "host/calling/lane.hpp"
+#include "host/calling/execution_context.hpp"
 #include "pipeline/survey/template_survey.hpp"
 
 namespace weft {
 
-/// What the texture of a template is good for.
+/// Suitability of a template's texture.
 struct TextureSurvey {
   std::int64_t keypoints = 0;         ///< [] of the texture, on the object
   std::int64_t expected_matches = 0;  ///< [] correct ones, in a view of it
@@ -36,7 +36,7 @@ Result<TextureSurvey> survey_texture(const host::Record& templ, const TemplateSu
 /// descriptors is below `twin_distance`. Nothing of binary descriptors.
 Correspondences look_alikes(const Keypoints& points, double twin_distance);
 
-/// Sentences that say where the texture is poor or repeats itself; empty where it does not.
+/// Sentences about places where the texture is poor or repeats itself; empty if there are none.
 std::vector<std::string> warnings_of(const TextureSurvey& texture, const TemplateSurvey& numbers);
 
 }  // namespace weft

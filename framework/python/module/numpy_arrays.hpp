@@ -21,7 +21,7 @@ pybind11::object numpy_of(const Array<T>& array) {
   auto kept = std::make_unique<Array<T>>(array);
   T* const elements = kept->data();
   const pybind11::capsule owner(kept.get(),
-                                [](void* held) { delete static_cast<Array<T>*>(held); });
+                                [](void* memory) { delete static_cast<Array<T>*>(memory); });
   static_cast<void>(kept.release());
   return pybind11::array_t<T>(shape, elements, owner);
 }

@@ -50,22 +50,22 @@ py::dict dict_of(const ProcessedFrame& frame) {
   for (const ProcessedFrame::Stage& stage : frame.stages) {
     stages.append(py::make_tuple(stage.name, stage.status, stage.reason, stage.ms));
   }
-  py::dict told;
-  told["index"] = frame.frame;
-  told["state"] = to_string(frame.state());
-  told["confidence"] = frame.confidence();
-  told["failed"] = frame.failed;
-  told["stages"] = stages;
-  told["warnings"] = frame.warnings;
-  told["report_json"] = frame.report;
+  py::dict result;
+  result["index"] = frame.frame;
+  result["state"] = to_string(frame.state());
+  result["confidence"] = frame.confidence();
+  result["failed"] = frame.failed;
+  result["stages"] = stages;
+  result["warnings"] = frame.warnings;
+  result["report_json"] = frame.report;
   if (frame.shape) {
-    told["age_frames"] = frame.shape->age_frames;
-    told["vertices_m"] = numpy_of(frame.shape->vertices_m);
-    told["source"] = numpy_of(frame.shape->source);
-    told["covariance_m2"] = numpy_of(frame.shape->covariance_m2);
-    told["diagnostics"] = named_of(frame.shape->diag);
+    result["age_frames"] = frame.shape->age_frames;
+    result["vertices_m"] = numpy_of(frame.shape->vertices_m);
+    result["source"] = numpy_of(frame.shape->source);
+    result["covariance_m2"] = numpy_of(frame.shape->covariance_m2);
+    result["diagnostics"] = named_of(frame.shape->diag);
   }
-  return told;
+  return result;
 }
 
 /// Other threads of Python go on while it works; a second one that comes meanwhile is refused, for

@@ -8,7 +8,7 @@ components derive from the class of their role (docs/python.md).
 import importlib
 
 from weft.answers import Cancelled, Degenerate, Failure, NoMoreFrames, NoResult, degenerate
-from weft.parameters import (choice, component, flag, input_path, labels, number, numbers,
+from weft.parameters import (choice, component, flag, formerly, input_path, labels, number, numbers,
                              output_path, text, texts, whole, wholes)
 from weft.records import Record
 from weft.roles import (Detector, Filter, Matcher, Pass, Sink, Solver, Source, TemplateBuilder,
@@ -18,7 +18,7 @@ from weft.roles import (Detector, Filter, Matcher, Pass, Sink, Solver, Source, T
 __all__ = [
     "Cancelled", "Degenerate", "Detector", "Failure", "Filter", "Matcher", "NoMoreFrames", "NoResult", "Pass",
     "Record", "Sink", "Solver", "Source", "TemplateBuilder", "WarpModel", "choice", "component",
-    "degenerate", "flag", "input_path", "labels", "number", "numbers", "output_path", "text",
+    "degenerate", "flag", "formerly", "input_path", "labels", "number", "numbers", "output_path", "text",
     "texts", "whole", "wholes",
 ]
 

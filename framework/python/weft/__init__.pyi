@@ -9,6 +9,7 @@ from weft.answers import degenerate as degenerate
 from weft.parameters import choice as choice
 from weft.parameters import component as component
 from weft.parameters import flag as flag
+from weft.parameters import formerly as formerly
 from weft.parameters import input_path as input_path
 from weft.parameters import labels as labels
 from weft.parameters import number as number

@@ -44,7 +44,7 @@ def text_of(thrown):
     return " ".join(str(thrown).split()).replace("\0", "")
 
 
-def told(work):
+def reporting_errors(work):
     """Nothing that is raised leaves the function."""
     @functools.wraps(work)
     def asked(*arguments):
@@ -68,7 +68,7 @@ def told(work):
     return asked
 
 
-@told
+@reporting_errors
 def create(module, class_name, values):
     component_class = getattr(modules[module], class_name)
     declared = parameters_of(component_class)
@@ -77,18 +77,18 @@ def create(module, class_name, values):
     return OK, 0, "", component_class(**given)
 
 
-@told
+@reporting_errors
 def check(component):
     return OK, 0, "", [(str(name), text_of(mistake)) for name, mistake in component.check() or ()]
 
 
-@told
+@reporting_errors
 def prepare(component, call, inputs):
     component.prepare(Given(component.role, call, OF_PREPARE, inputs))
     return OK, 0, "", None
 
 
-@told
+@reporting_errors
 def process(component, call, method, inputs):
     name, slots, outputs = ROLES[component.role][method]
     given = Given(component.role, call, slots, inputs)

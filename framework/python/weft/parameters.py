@@ -20,7 +20,7 @@ class Parameter:
         self.kind, self.default, self.meaning = kind, default, meaning
         self.unit, self.bounds, self.choices, self.role = unit, bounds, tuple(choices), role
         self.required, self.is_list = required, is_list
-        self.name = ""
+        self.name, self.was = "", ""
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
@@ -100,6 +100,13 @@ def component(role: str, default: str, meaning: str) -> Any:
     """Another component, `role` being its folder, such as `warps`. In an instance it has the methods
     of its role: `self.warp.fit(given, correspondences=..., template=...)`."""
     return Parameter("component", default, meaning, role=role)
+
+
+def formerly(name: str, parameter: Any) -> Any:
+    """The parameter, which had another name: files that use it still run, with a warning, and
+    `weft migrate` rewrites them. `noise_px = weft.formerly("noise", weft.number(...))`"""
+    parameter.was = name
+    return parameter
 
 
 def parameters_of(component_class: type) -> dict[str, Parameter]:

@@ -12,14 +12,14 @@ namespace weft::cameras {
 namespace {
 
 // Relative standard deviations of the focal length.
-constexpr double kOfExif = 0.05;       // f35 is a whole number, and focusing changes the view
-constexpr double kOfTrimmed = 0.10;    // 16:9 and 1:1 are made of 4:3 by phones, with the same f35
-constexpr double kOfUnknown = 0.20;    // of a crop: phones write images of 8 to 50 megapixels
-constexpr double kOfNothing = 0.25;    // phones 0.75, webcams 0.9, cameras up to 1.4 longer sides
-constexpr double kOfCentre = 0.01;     // of the principal point, in longer sides
-constexpr double kMostApart = 1.1;     // ratio of focal lengths that are still one camera
-constexpr double kFilm_mm = 43.27;     // diagonal of 36 x 24 mm
-const cv::Size kUsual_px(4032, 3024);  // the usual image of a phone, 12 megapixels
+constexpr double kOfExif = 0.05;     // f35 is a whole number, and focusing changes the view
+constexpr double kOfTrimmed = 0.10;  // 16:9 and 1:1 are made of 4:3 by phones, with the same f35
+constexpr double kOfUnknown = 0.20;  // of a crop: phones write images of 8 to 50 megapixels
+constexpr double kOfNothing = 0.25;  // phones 0.75, webcams 0.9, cameras up to 1.4 longer sides
+constexpr double kOfCentre = 0.01;   // of the principal point, in longer sides
+constexpr double kMostFocalRatio = 1.1;  // ratio of focal lengths that are still one camera
+constexpr double kFilm_mm = 43.27;       // diagonal of 36 x 24 mm
+const cv::Size kUsual_px(4032, 3024);    // the usual image of a phone, 12 megapixels
 
 double ratio_of(const cv::Size& size) {
   return static_cast<double>(std::max(size.width, size.height)) /
@@ -146,8 +146,8 @@ Result<Focal> common_focal(const std::vector<PhotoFacts>& photos,
       first = std::move(focal), of_first = &photo;
       continue;
     }
-    const double apart = std::max(focal.f_px / first->f_px, first->f_px / focal.f_px);
-    if (apart > kMostApart) {
+    const double ratio = std::max(focal.f_px / first->f_px, first->f_px / focal.f_px);
+    if (ratio > kMostFocalRatio) {
       return Error{Errc::invalid_data,
                    fmt::format("{}: its EXIF says a focal length of {:.0f} px, but that of {} says "
                                "{:.0f} px: all images of a source have one camera; read those of "
@@ -176,7 +176,7 @@ PhotoFacts facts_of(const std::string& path, const ImageHeader& header) {
 
 void declare(Params& p, KnownFocal& focal) {
   p.read("focal_by_side", focal.by_side, "", {0.0, 100.0},
-         "with camera: auto, focal length divided by the longer side of the image; 0: from EXIF, "
+         "focal length divided by the longer side of the image, for camera: auto; 0: from EXIF, "
          "else 1");
   p.read("focal_by_side_sd", focal.by_side_sd, "", {0.0, 100.0},
          "standard deviation of focal_by_side; 0: 5 % of it");

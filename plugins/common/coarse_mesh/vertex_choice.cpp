@@ -14,9 +14,8 @@ namespace weft::coarse_mesh {
 namespace {
 
 constexpr double kCornerRad = 0.7;  // a border that turns by more at a vertex has a corner there
-constexpr double kCornersApart =
-    0.3;                             // of the wanted distance; a ragged border has corners all over
-constexpr double kLeastApart = 0.3;  // of it, inside
+constexpr double kCornerGap = 0.3;  // of the wanted distance; a ragged border has corners all over
+constexpr double kLeastGap = 0.3;   // of it, inside
 constexpr int kRelaxations = 4;
 
 using Mark = std::vector<std::uint8_t>;
@@ -85,7 +84,7 @@ std::vector<double> turns_rad(const Points2View& places, const std::vector<std::
 
 /// Places in the loop, ascending: its corners, the sharpest first, none next to a sharper one.
 std::vector<std::size_t> corners_of(const Points2View& places,
-                                    const std::vector<std::int32_t>& loop, double apart) {
+                                    const std::vector<std::int32_t>& loop, double gap) {
   const std::vector<double> turns = turns_rad(places, loop);
   std::vector<std::size_t> order, corners;
   for (std::size_t k = 0; k < loop.size(); ++k) {
@@ -96,7 +95,7 @@ std::vector<std::size_t> corners_of(const Points2View& places,
   for (const std::size_t k : order) {
     worked(static_cast<std::int64_t>(corners.size()));
     const bool is_far = std::all_of(corners.begin(), corners.end(), [&](std::size_t other) {
-      return (places.row(loop[k]) - places.row(loop[other])).norm() >= apart;
+      return (places.row(loop[k]) - places.row(loop[other])).norm() >= gap;
     });
     if (is_far) corners.push_back(k);
   }
@@ -107,7 +106,7 @@ std::vector<std::size_t> corners_of(const Points2View& places,
 /// Marks the vertices of a loop that divide each stretch between corners into equal parts.
 void choose_on_loop(const Points2View& places, const std::vector<std::int32_t>& loop,
                     double distance, Mark& chosen) {
-  std::vector<std::size_t> ends = corners_of(places, loop, kCornersApart * distance);
+  std::vector<std::size_t> ends = corners_of(places, loop, kCornerGap * distance);
   const std::size_t n = loop.size(), fewest = ends.empty() ? 3 : ends.size() < 3 ? 2 : 1;
   if (ends.empty()) ends.push_back(0);
   for (std::size_t c = 0; c < ends.size(); ++c) {
@@ -216,7 +215,7 @@ std::vector<std::uint8_t> choose_vertices(const Points2View& places, const Faces
   auto left = count - std::count(chosen.begin(), chosen.end(), 1);
   for (; left > 0; --left) {
     const std::size_t v = gaps.furthest();
-    if (!(gaps.gap2(v) > std::pow(kLeastApart * distance, 2))) break;
+    if (!(gaps.gap2(v) > std::pow(kLeastGap * distance, 2))) break;
     chosen[v] = 1;
     gaps.add(v);
   }

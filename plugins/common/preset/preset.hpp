@@ -11,8 +11,8 @@ enum class Preset { author, weft };
 /// Declares `preset`, which comes before all other parameters.
 inline Preset declare_preset(Params& p, Preset preset = Preset::author) {
   p.choice("preset", preset, {{"author", Preset::author}, {"weft", Preset::weft}},
-           "whose constants: those of the authors' program or those chosen for Weft; other "
-           "parameters override them");
+           "set of constants; author: those of the authors' program; weft: those chosen for Weft; "
+           "other parameters override them");
   return preset;
 }
 

@@ -29,13 +29,13 @@ class Akaze final : public Detector {
 
   explicit Akaze(Params& p) {
     p.read("max_keypoints", max_keypoints_, "", {0, 1000000},
-           "strongest keypoints kept, spread over the image; 0 keeps all");
+           "maximum number of keypoints, the strongest ones spread over the image; 0: no limit");
     p.read("buckets", buckets_, "", {1, 256},
-           "cells per side over which the cap spreads the keypoints; 1 does not spread them");
-    p.read("octaves", octaves_, "", {1, 8}, "most octaves; small images have fewer");
-    p.read("octave_layers", octave_layers_, "", {1, 10}, "scales per octave");
+           "number of cells per side over which max_keypoints is spread; 1: no spreading");
+    p.read("octaves", octaves_, "", {1, 8}, "maximum number of octaves; small images have fewer");
+    p.read("octave_layers", octave_layers_, "", {1, 10}, "number of scales per octave");
     p.read("threshold", threshold_, "", {1e-8, 1},
-           "weakest determinant of the Hessian, grey levels as 0 to 1");
+           "minimum determinant of the Hessian, for grey levels from 0 to 1");
   }
 
   Result<Keypoints> detect(const DetectorInput& in) override {
@@ -73,6 +73,5 @@ class Akaze final : public Detector {
 }  // namespace weft::akaze
 
 using weft::akaze::Akaze;
-WEFT_PLUGIN(
-    Akaze, "detectors/akaze", "1.0.0",
-    "Finds AKAZE keypoints in a nonlinear scale space and describes them with 486 bits each.")
+WEFT_PLUGIN(Akaze, "detectors/akaze", "1.0.0",
+            "Detects AKAZE keypoints in a nonlinear scale space, with descriptors of 486 bits.")

@@ -32,15 +32,16 @@ class Orb final : public Detector {
 
   explicit Orb(Params& p) {
     p.read("max_keypoints", max_keypoints_, "", {0, 1000000},
-           "strongest keypoints kept, spread over the image; 0 keeps all");
+           "maximum number of keypoints, the strongest ones spread over the image; 0: no limit");
     p.read("buckets", buckets_, "", {1, 256},
-           "cells per side over which the cap spreads the keypoints; 1 does not spread them");
-    p.read("levels", levels_, "", {1, 32}, "levels of the pyramid; small images have fewer");
-    p.read("scale_factor", scale_factor_, "", {1.05, 2}, "size of a level over that of the next");
+           "number of cells per side over which max_keypoints is spread; 1: no spreading");
+    p.read("levels", levels_, "", {1, 32}, "number of pyramid levels; small images have fewer");
+    p.read("scale_factor", scale_factor_, "", {1.05, 2},
+           "size ratio of consecutive pyramid levels");
     p.read("fast_threshold", fast_threshold_, "grey levels", {1, 254},
-           "how much brighter or darker the circle around a corner must be");
+           "minimum brightness difference between a corner and the circle around it");
     p.read("border_px", border_px_, "px", {16, 1000},
-           "no keypoint within this of the border of its level");
+           "width of the border of each level that has no keypoints");
   }
 
   Result<Keypoints> detect(const DetectorInput& in) override {
@@ -161,4 +162,4 @@ class Orb final : public Detector {
 
 using weft::orb::Orb;
 WEFT_PLUGIN(Orb, "detectors/orb", "1.2.0",
-            "Finds ORB keypoints and describes them with 256 bits each; fast.")
+            "Detects ORB keypoints with descriptors of 256 bits; fast.")

@@ -129,4 +129,4 @@ class Sift final : public Detector {
 
 using weft::sift::Sift;
 WEFT_PLUGIN(Sift, "detectors/sift", "1.0.0",
-            "Finds SIFT keypoints and describes them with 128 numbers each.")
+            "Detects SIFT keypoints with descriptors of 128 numbers.")

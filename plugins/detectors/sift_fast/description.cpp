@@ -35,7 +35,7 @@ struct NodeWeights {
 };
 
 /// Where a grid lies in its layer: its middle, and how far one cell reaches.
-struct Turn {
+struct RotatedFrame {
   float x, y;
   float cosine, sine;  ///< px
 };
@@ -50,13 +50,13 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 /// Which elements of a plane are the nodes: their places from its first element on. `across` and
 /// `down` are those of the grid that is not turned.
-void Places(const float* across, const float* down, const Turn& turn, std::ptrdiff_t stride,
-            std::int32_t* places) {
+void Places(const float* across, const float* down, const RotatedFrame& frame,
+            std::ptrdiff_t stride, std::int32_t* places) {
   const hn::CappedTag<float, 16> d;
   const hn::Rebind<std::int32_t, decltype(d)> whole;
   const auto width = hn::Set(whole, static_cast<std::int32_t>(stride));
-  const auto x0 = hn::Set(d, turn.x), y0 = hn::Set(d, turn.y);
-  const auto cosine = hn::Set(d, turn.cosine), sine = hn::Set(d, turn.sine);
+  const auto x0 = hn::Set(d, frame.x), y0 = hn::Set(d, frame.y);
+  const auto cosine = hn::Set(d, frame.cosine), sine = hn::Set(d, frame.sine);
   for (std::size_t i = 0; i < kNodes; i += hn::Lanes(d)) {
     const auto u = hn::LoadU(d, across + i), v = hn::LoadU(d, down + i);
     const auto x = hn::Add(x0, hn::Sub(hn::Mul(cosine, u), hn::Mul(sine, v)));
@@ -76,8 +76,8 @@ void AddRowsOfNodes(const std::int16_t* lengths, const std::uint16_t* angles,
   for (std::size_t i = 0; i < kNodes * kDirections; ++i) {
     const std::size_t node = i / kDirections, row = node / kSide, column = node % kSide;
     const std::size_t direction = i % kDirections, below = row / kPerCell;
-    const auto apart = static_cast<std::int16_t>(angles[node] - 8192 * direction);
-    const int near = std::max(8192 - std::abs(int{apart}), 0);
+    const auto difference = static_cast<std::int16_t>(angles[node] - 8192 * direction);
+    const int near = std::max(8192 - std::abs(int{difference}), 0);
     const int part = times(2 * near, lengths[node]);
     std::int16_t* to = sums + column * kColumn + direction;
     if (below > 0) {
@@ -121,8 +121,8 @@ void AddRowsOfNodes(const std::int16_t* lengths, const std::uint16_t* angles,
         const auto which = hn::LoadU(bytes, spread + v * 2 * lanes);
         const auto length = hn::TableLookupBytes(four_lengths, hn::BitCast(d, which));
         const auto angle = hn::TableLookupBytes(four_angles, hn::BitCast(u, which));
-        const auto apart = hn::Abs(hn::BitCast(d, hn::Sub(angle, direction)));
-        const auto near = hn::SaturatedSub(eighth, hn::BitCast(u, apart));
+        const auto difference = hn::Abs(hn::BitCast(d, hn::Sub(angle, direction)));
+        const auto near = hn::SaturatedSub(eighth, hn::BitCast(u, difference));
         const auto part = hn::MulFixedPoint15(hn::BitCast(d, hn::Add(near, near)), length);
         upper[v] = hn::Add(upper[v], hn::MulFixedPoint15(part, to_upper));
         lower[v] = hn::Add(lower[v], hn::MulFixedPoint15(part, to_lower));
@@ -231,7 +231,7 @@ constexpr float kLength = 512.0F;
 /// Largest length of a gradient among those of a keypoint.
 constexpr float kLargestLength = 32767.0F;
 /// What is read behind the last node.
-constexpr std::size_t kBehind = 64;
+constexpr std::size_t kPadding = 64;
 
 /// Place of a row or column of nodes, cells from the middle of the grid.
 double place_of(std::size_t node) {
@@ -259,10 +259,10 @@ struct Description::Grid {
   NodeWeights weights = make_weights();
   float across[kNodes], down[kNodes];  ///< places of nodes, cells from the middle
   std::int32_t places[kNodes];
-  std::int16_t right[kNodes + kBehind] = {}, below[kNodes + kBehind] = {};
-  float lengths[kNodes + kBehind] = {};
-  std::uint16_t angles[kNodes + kBehind] = {};
-  std::int16_t parts[kNodes + kBehind] = {};
+  std::int16_t right[kNodes + kPadding] = {}, below[kNodes + kPadding] = {};
+  float lengths[kNodes + kPadding] = {};
+  std::uint16_t angles[kNodes + kPadding] = {};
+  std::int16_t parts[kNodes + kPadding] = {};
   std::int16_t sums[kCells * kSide * kColumn];
   float cells[kDescriptorLength];
 
@@ -273,32 +273,32 @@ struct Description::Grid {
     }
   }
 
-  void take(std::size_t node, const std::int16_t* at, std::ptrdiff_t stride) {
+  void load_gradient(std::size_t node, const std::int16_t* at, std::ptrdiff_t stride) {
     right[node] = static_cast<std::int16_t>(at[1] - at[-1]);
     below[node] = static_cast<std::int16_t>(at[stride] - at[-stride]);
   }
 
-  void take_gradients(const Plane& layer, const Turn& turn) {
-    HWY_DYNAMIC_DISPATCH(Places)(across, down, turn, layer.stride, places);
-    for (std::size_t i = 0; i < kNodes; ++i) take(i, layer.data + places[i], layer.stride);
+  void load_gradients(const Plane& layer, const RotatedFrame& frame) {
+    HWY_DYNAMIC_DISPATCH(Places)(across, down, frame, layer.stride, places);
+    for (std::size_t i = 0; i < kNodes; ++i) load_gradient(i, layer.data + places[i], layer.stride);
   }
 
   /// The same near the border: nodes on it and outside have no gradient.
-  void take_gradients_inside(const Plane& layer, const Turn& turn) {
+  void load_gradients_inside(const Plane& layer, const RotatedFrame& frame) {
     for (std::size_t i = 0; i < kNodes; ++i) {
       const float u = across[i], v = down[i];
-      const float x = std::nearbyint(turn.x + (turn.cosine * u - turn.sine * v));
-      const float y = std::nearbyint(turn.y + (turn.sine * u + turn.cosine * v));
+      const float x = std::nearbyint(frame.x + (frame.cosine * u - frame.sine * v));
+      const float y = std::nearbyint(frame.y + (frame.sine * u + frame.cosine * v));
       right[i] = below[i] = 0;
       if (x >= 1.0F && y >= 1.0F && x <= static_cast<float>(layer.width - 2) &&
           y <= static_cast<float>(layer.height - 2)) {
-        take(i, layer.row(static_cast<int>(y)) + static_cast<int>(x), layer.stride);
+        load_gradient(i, layer.row(static_cast<int>(y)) + static_cast<int>(x), layer.stride);
       }
     }
   }
 };
 
-Turn turn_of(const Spot& spot) {
+RotatedFrame frame_of(const Spot& spot) {
   const auto angle = static_cast<double>(spot.angle);
   const double cell = static_cast<double>(kCellSigmas * spot.scale);
   return {spot.x, spot.y, static_cast<float>(cell * std::cos(angle)),
@@ -306,10 +306,11 @@ Turn turn_of(const Spot& spot) {
 }
 
 /// Whether all nodes have neighbours on all sides.
-bool is_inside(const Plane& layer, const Turn& turn) {
-  const float reach = 0.5F * (kCells + 1) * (std::abs(turn.cosine) + std::abs(turn.sine)) + 2.0F;
-  return turn.x > reach && turn.y > reach && turn.x + reach < static_cast<float>(layer.width - 1) &&
-         turn.y + reach < static_cast<float>(layer.height - 1);
+bool is_inside(const Plane& layer, const RotatedFrame& frame) {
+  const float reach = 0.5F * (kCells + 1) * (std::abs(frame.cosine) + std::abs(frame.sine)) + 2.0F;
+  return frame.x > reach && frame.y > reach &&
+         frame.x + reach < static_cast<float>(layer.width - 1) &&
+         frame.y + reach < static_cast<float>(layer.height - 1);
 }
 
 Description::Description() : grid_(std::make_unique<Grid>()) {}
@@ -319,19 +320,19 @@ Description& Description::operator=(Description&&) noexcept = default;
 
 void Description::describe(const Plane& layer, const Spot& spot, float* descriptor) {
   Grid& grid = *grid_;
-  const Turn place = turn_of(spot);
+  const RotatedFrame place = frame_of(spot);
   if (is_inside(layer, place)) {
-    grid.take_gradients(layer, place);
+    grid.load_gradients(layer, place);
   } else {
-    grid.take_gradients_inside(layer, place);
+    grid.load_gradients_inside(layer, place);
   }
   to_polar(grid.right, grid.below, kNodes, grid.lengths, grid.angles);
   if (!HWY_DYNAMIC_DISPATCH(ToParts)(grid.lengths, kNodes, kLargestLength, grid.parts)) {
     std::fill_n(descriptor, kDescriptorLength, 0.0F);
     return;
   }
-  const double turn = static_cast<double>(spot.angle) * (0.5 * kTurn / std::numbers::pi);
-  const auto own = static_cast<std::uint16_t>(std::lrint(turn));
+  const double frame = static_cast<double>(spot.angle) * (0.5 * kTurn / std::numbers::pi);
+  const auto own = static_cast<std::uint16_t>(std::lrint(frame));
   for (std::size_t i = 0; i < kNodes; ++i) {
     grid.angles[i] = static_cast<std::uint16_t>(own - grid.angles[i]);
   }

@@ -49,7 +49,7 @@ class SiftFast final : public Detector {
   explicit SiftFast(Params& p) {
     asked_.read(p);
     p.read("margin_px", margin_px_, "px", {0, 10000},
-           "pixels around the region that blurs and descriptors take into account");
+           "width of the border around the region that is included in blurs and descriptors");
   }
 
   Result<void> prepare(const PrepareInput& /*in*/) override {
@@ -152,4 +152,4 @@ class SiftFast final : public Detector {
 }  // namespace weft::sift_fast
 
 WEFT_PLUGIN(weft::sift_fast::SiftFast, "detectors/sift_fast", "1.0.1",
-            "Finds SIFT keypoints as detectors/sift does, with vector instructions.")
+            "Detects the SIFT keypoints of detectors/sift with vector instructions.")

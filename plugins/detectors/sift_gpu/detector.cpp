@@ -24,7 +24,7 @@ std::string mebibytes(std::uint64_t bytes) {
 SiftGpu::SiftGpu(Params& p) {
   device_.read(p);
   p.component("fallback", fallback_,
-              "the detector in place of this one, with parameters of its own; see without_device");
+              "detector that replaces this one, with its own parameters; see without_device");
   asked_.read(p);
 }
 

@@ -5,24 +5,24 @@ namespace weft::sift_gpu {
 
 void DeviceChoice::read(Params& p) {
   p.text("device", wanted_,
-         "index, or part of the name or of the vendor, of an OpenCL device of `weft doctor`; gpu "
-         "takes the first GPU, empty the first GPU, else the first device");
+         "OpenCL device, by index or by part of its name or vendor in `weft doctor`; gpu: first "
+         "GPU; empty: first GPU, else first device");
   p.choice("without_device", without_device_,
            {{"error", WithoutDevice::error}, {"fallback", WithoutDevice::fallback}},
-           "where no such device is: an error before the first frame, or the component of "
-           "`fallback`, each frame then being flagged");
+           "behaviour without such a device; error: an error before the first frame; fallback: the "
+           "component of `fallback`, each frame being flagged");
 }
 
 Result<void> DeviceChoice::prepare() {
   const auto opened = open();
   if (!opened) return opened.error();
-  stands_back_ = *opened == nullptr;
+  has_no_device_ = *opened == nullptr;
   return {};
 }
 
 Result<std::shared_ptr<Device>> DeviceChoice::open() {
   if (device_ != nullptr && device_->is_retired()) device_.reset();
-  if (device_ != nullptr || stands_back_) return device_;
+  if (device_ != nullptr || has_no_device_) return device_;
   if (auto device = Device::open(wanted_)) {
     device_ = *std::move(device);
   } else if (without_device_ == WithoutDevice::error) {

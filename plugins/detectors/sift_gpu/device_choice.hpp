@@ -45,7 +45,8 @@ class DeviceChoice {
   std::string wanted_;
   WithoutDevice without_device_ = WithoutDevice::error;
   std::shared_ptr<Device> device_;
-  bool stands_back_ = false;  ///< there was none before the first frame: it is not looked for again
+  bool has_no_device_ =
+      false;  ///< there was none before the first frame: it is not looked for again
   std::string reason_;
 };
 

@@ -9,7 +9,7 @@ namespace weft::sift_gpu {
 GpuMatcher::GpuMatcher(Params& p) : matching_(p) {
   device_.read(p);
   p.component("fallback", fallback_,
-              "the matcher in place of this one, with parameters of its own; see without_device");
+              "matcher that replaces this one, with its own parameters; see without_device");
 }
 
 std::vector<matchers::Neighbours> GpuMatcher::search(const matchers::Sides& sides,

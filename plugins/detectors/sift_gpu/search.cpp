@@ -100,9 +100,9 @@ Search::Found Search::run(std::span<const float> places, const Options& options,
                           const CancelledCheck& cancelled) {
   const int queries = queries_.count, trains = trains_.count;
   const std::uint64_t row_bytes = bytes_of(trains, 1);
-  const auto rows_held = static_cast<int>(std::clamp<std::uint64_t>(
+  const auto rows_in_memory = static_cast<int>(std::clamp<std::uint64_t>(
       kBlockBytes / row_bytes / kTileSide * kTileSide, kTileSide, 1U << 20U));
-  const int block = std::min(rows_held, tiles(queries) * kTileSide);
+  const int block = std::min(rows_in_memory, tiles(queries) * kTileSide);
   Found found;
   found.pairs.resize(to_index(queries));
   if (options.mutual) found.best_queries.resize(to_index(trains));

@@ -5,8 +5,7 @@
 using weft::sift_gpu::GpuMatcher;
 using weft::sift_gpu::SiftGpu;
 WEFT_LIBRARY(WEFT_COMPONENT(SiftGpu, "detectors/sift_gpu", "1.0.0",
-                            "Finds SIFT keypoints on an OpenCL device, as detectors/sift does on "
-                            "the processor."),
+                            "Detects the SIFT keypoints of detectors/sift on an OpenCL device."),
              WEFT_COMPONENT(GpuMatcher, "matchers/gpu", "1.0.0",
-                            "Matches keypoints by their nearest descriptor with Lowe's ratio test "
-                            "on an OpenCL device, exactly."))
+                            "Matches keypoints to the nearest descriptor with Lowe's ratio test, "
+                            "exactly, on an OpenCL device."))

@@ -37,19 +37,22 @@ class AdaLam final : public weft::Filter {
 
   explicit AdaLam(weft::Params& p) {
     p.read("min_confidence", settings_.min_confidence, "", {1e-3, 1e6},
-           "matches agree when they are this much closer than chance would put them");
+           "minimum ratio of agreeing matches to those expected by chance");
     p.read("area_ratio", area_ratio_, "", {1, 1e5},
-           "seeds are apart by the radius of a disc of this part of the picture");
+           "image area divided by the area of a disc whose radius separates the seeds");
     p.read("search_expansion", search_expansion_, "", {1, 100},
-           "neighbourhoods have this many such radii");
-    p.read("most_draws", settings_.most_draws, "", {1, 100'000}, "maps tried at a seed at most");
-    p.read("min_inliers", min_inliers_, "", {2, 1000}, "matches that must agree with a seed");
+           "radius of a neighbourhood, in seed radii (see area_ratio)");
+    p.read("most_draws", settings_.most_draws, "", {1, 100'000},
+           "maximum number of maps tried per seed");
+    p.read("min_inliers", min_inliers_, "", {2, 1000},
+           "minimum number of matches that agree with a seed");
     p.read("most_turn_rad", most_turn_rad_, "rad", {0, 4},
-           "keypoints of neighbours turn alike within this; not where angles are unknown");
+           "maximum difference between the keypoint rotations of neighbours; ignored if angles are "
+           "unknown");
     p.read("most_scale_ratio", most_scale_ratio_, "", {1, 1000},
-           "and are scaled alike within this factor");
+           "maximum ratio of the keypoint scale changes of neighbours");
     p.read("most_stretch", settings_.most_stretch, "", {1, 1000},
-           "largest factor by which a map may stretch or shrink");
+           "maximum factor by which a map stretches or shrinks");
   }
 
   weft::Result<InlierMask> filter(const FilterInput& in) override {
@@ -211,4 +214,4 @@ class AdaLam final : public weft::Filter {
 }  // namespace
 
 WEFT_PLUGIN(AdaLam, "filters/adalam", "1.0.0",
-            "Rejects matches that agree with no local affine map around a trusted match.")
+            "Rejects matches that do not agree with a local affine map around a trusted match.")

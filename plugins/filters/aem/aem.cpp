@@ -48,28 +48,30 @@ class Aem final : public weft::Filter {
   explicit Aem(weft::Params& p) {
     weft::aem::AnnealingOptions& annealing = options_.annealing;
     p.read("min_probability", min_probability_, "", {0, 1},
-           "a match is kept from this probability on that it is correct");
+           "minimum inlier probability of a kept match");
     p.read("most_draws", options_.most_draws, "", {1, 1'000'000},
-           "samples of three matches at most: as many where few matches are correct");
+           "maximum number of samples of three matches; reached only if few matches are inliers");
     p.read("use_orientation", use_orientation_,
-           "scales and angles of the keypoints count, where the matches have them");
-    p.read("track", track_, "look also near the previous shape");
+           "use of the scales and angles of the keypoints, if the matches have them");
+    p.read("track", track_, "additional search near the previous shape");
     p.read("control_long", annealing.control_long, "", {4, 16},
-           "control points along the longer side of the template");
+           "number of control points along the longer side of the template");
     p.read("control_short", annealing.control_short, "", {4, 16},
-           "control points along the shorter side");
+           "number of control points along the shorter side of the template");
     p.read("fine_control_long", annealing.fine_control_long, "", {4, 16},
-           "the same for the last look, which decides");
+           "number of control points along the longer side in the final, deciding rounds");
     p.read("fine_control_short", annealing.fine_control_short, "", {4, 16},
-           "the same along the shorter side");
+           "number of control points along the shorter side in the final, deciding rounds");
     p.read("margin_px", annealing.margin_px, "px of the texture", {0, 1e4},
-           "the warp's domain is the box of the object in the texture and this around it");
+           "width of the border that the warp's domain adds to the object's box in the texture");
     p.read("stiffness", annealing.stiffness, "", {1e-3, 1e6},
-           "weight of the warp's bending: 1.5 bends to mismatches, 50 does not bend to the sheet");
+           "weight of the warp's bending energy; 1.5 follows outliers, 50 does not follow the "
+           "surface");
     p.read("least_sigma_px", annealing.least_sigma_px, "px", {0.01, 100},
-           "correct matches are taken to be off by at least this along each axis");
-    p.read("sure_confidence", options_.sure, "", {0, 1}, "flagged as degenerate below this");
-    p.read("least_confidence", least_confidence_, "", {0, 1}, "no result below this");
+           "minimum standard deviation of inliers along each axis");
+    p.read("sure_confidence", options_.sure, "", {0, 1},
+           "confidence below which the result is marked as degenerate");
+    p.read("least_confidence", least_confidence_, "", {0, 1}, "minimum confidence of a result");
   }
 
   weft::Result<InlierMask> filter(const FilterInput& in) override {
@@ -142,4 +144,4 @@ class Aem final : public weft::Filter {
 }  // namespace
 
 WEFT_PLUGIN(Aem, "filters/aem", "1.3.0",
-            "Keeps the most likely coherent set of matches, with its confidence.")
+            "Keeps the most likely coherent set of matches and gives its confidence.")

@@ -19,8 +19,8 @@ constexpr double kSigmaOfThreshold = 0.6;  // first sigma, of a seed's threshold
 constexpr double kSigmaOfTrack = 0.03;     // of the template's diagonal in the image
 constexpr double kTrackSmoothing = 1e-3;   // of a knot cell: the shape is smooth already
 constexpr double kFirstShare = 0.3, kLeastShare = 0.02, kLargestShare = 0.98;
-constexpr double kCooling = 0.7;  // sigma falls to this in a round at most
-constexpr double kStill = 0.02;   // relative change of sigma that ends
+constexpr double kCooling = 0.7;           // sigma falls to this in a round at most
+constexpr double kConvergedChange = 0.02;  // relative change of sigma that ends
 constexpr int kFewestRounds = 6, kMostRounds = 20;
 constexpr double kBroadSigmas = 4.0;  // least sigmas, above which a sharper optimum is looked for
 constexpr double kSureLikelihood = 150.0;  // log; a set that chance made would be sharpened to more
@@ -29,10 +29,10 @@ constexpr int kGatherEvery = 3;     // rounds
 constexpr Eigen::Index kMostVertices = 256;  // of a shape that has more, some
 constexpr double kLeastLogit = -9.0;         // below it a match does not take part
 constexpr double kLeastProbability = 1e-4;   // below it a match does not count in a fit
-constexpr double kSure = 3.0;        // logit from which the warp's own variance is no matter
-constexpr double kFarSigmas = 30.0;  // from which it does not help
+constexpr double kCertainLogit = 3.0;  // logit from which the warp's own variance is no matter
+constexpr double kFarSigmas = 30.0;    // from which it does not help
 
-constexpr double kNoSay = -1e3;  // logit of a match that is not to bend the warp
+constexpr double kExcludedLogit = -1e3;  // logit of a match that is not to bend the warp
 
 double square(double x) { return x * x; }
 
@@ -115,7 +115,8 @@ Solution Annealing::run(const Start& start) {
   State state{coarse_, matches_.image_px - start.image_px, start.sigma_px, kFirstShare};
   coarse_.spline.clear();
   double change = 1.0;
-  while (state.rounds < kMostRounds && (state.rounds <= kFewestRounds || change >= kStill)) {
+  while (state.rounds < kMostRounds &&
+         (state.rounds <= kFewestRounds || change >= kConvergedChange)) {
     if (state.rounds % kGatherEvery == 0) gather_again(start, state);
     worked(matches_.count());
     const double before_px = state.sigma_px;
@@ -190,7 +191,7 @@ void Annealing::finish(const Start& start, Solution& solution) {
   }
   for (Eigen::Index i = 0; i < matches_.count(); ++i) {
     const double residual2 = solution.residual_px.row(i).squaredNorm() / square(state.sigma_px);
-    if (!isolated.is[i] && solution.logit[i] > kSure) continue;
+    if (!isolated.is[i] && solution.logit[i] > kCertainLogit) continue;
     if (residual2 > square(kFarSigmas)) continue;
     const double inflation = 1.0 + fine_.spline.leverage(fine_.sites[to_index(i)]);
     solution.logit[i] += 0.5 * residual2 * (1.0 - 1.0 / inflation) - std::log(inflation);
@@ -201,7 +202,7 @@ void Annealing::finish(const Start& start, Solution& solution) {
 void Annealing::look_again(const Start& start, const Isolated& isolated, State& state,
                            Solution& solution) const {
   gather(solution.residual_px, options_.most_finished, state);
-  state.bias = isolated.is(state.rows).select(kNoSay, solution.bias(state.rows));
+  state.bias = isolated.is(state.rows).select(kExcludedLogit, solution.bias(state.rows));
   improve(start, state);
   solution.residual_px = residuals_px(state);
 }

@@ -12,7 +12,8 @@ namespace {
 constexpr double kWeakSeed = 0.5;   // of the best score, below which a seed is not annealed
 constexpr double kExplained = 0.8;  // of the matches that follow a seed
 constexpr double kFewFollow = 0.2;  // of the winner's matches, with which a seed is no rival
-constexpr double kApart = 0.1;      // mean gap between different warps, of the template's diagonal
+constexpr double kDistinctGap =
+    0.1;  // mean gap between different warps, of the template's diagonal
 
 /// A solution and where it started.
 struct Candidate {
@@ -33,7 +34,7 @@ class ObjectSearch {
                                             is_sure ? &tracked->solution : nullptr);
     if (!free && !tracked) return {};
     if (tracked && (!free || is_sure)) {
-      const double rival = free && apart(*tracked, *free) ? ratio(*free, *tracked) : 0.0;
+      const double rival = free && are_distinct(*tracked, *free) ? ratio(*free, *tracked) : 0.0;
       return found(*tracked, true, rival, rival > 1.0 ? kAmbiguous : 1.0);
     }
     const double rival = rival_of(*free);
@@ -91,16 +92,16 @@ class ObjectSearch {
       return 0.0;
     }
     const Candidate rival = annealed(start_from(matches_, seeds.best.front()));
-    return apart(winner, rival) ? std::max(0.0, ratio(rival, winner)) : 0.0;
+    return are_distinct(winner, rival) ? std::max(0.0, ratio(rival, winner)) : 0.0;
   }
 
   static double ratio(const Candidate& a, const Candidate& b) {
     return a.solution.log_likelihood / std::max(b.solution.log_likelihood, 1e-9);
   }
 
-  bool apart(const Candidate& a, const Candidate& b) const {
+  bool are_distinct(const Candidate& a, const Candidate& b) const {
     const double gap_px = (a.solution.residual_px - b.solution.residual_px).rowwise().norm().mean();
-    return gap_px > kApart * a.start.scale * matches_.diagonal_px();
+    return gap_px > kDistinctGap * a.start.scale * matches_.diagonal_px();
   }
 
   double confidence_of(const Candidate& candidate) const {

@@ -20,7 +20,7 @@ constexpr double kTooFull = 1.5;  // times as many
 /// A squared distance and an index in one positive number: the nearer first, then the smaller
 /// index. The bits of positive numbers have their order.
 using Key = double;
-constexpr Key kNobody = std::numeric_limits<Key>::infinity();
+constexpr Key kNoPoint = std::numeric_limits<Key>::infinity();
 
 Key key_of(float distance2, int index) {
   return std::bit_cast<Key>(std::uint64_t{std::bit_cast<std::uint32_t>(distance2)} << 32U |
@@ -28,7 +28,7 @@ Key key_of(float distance2, int index) {
 }
 
 int index_of(Key key) {
-  return key == kNobody
+  return key == kNoPoint
              ? -1
              : static_cast<int>(static_cast<std::uint32_t>(std::bit_cast<std::uint64_t>(key)));
 }
@@ -37,7 +37,7 @@ int index_of(Key key) {
 /// keeps four and hands the others on. No step is a branch, which no processor could predict.
 void keep_least(std::span<Key> keys, std::span<Key> least) {
   for (std::size_t done = 0; done < least.size(); done += 4) {
-    Key a = kNobody, b = kNobody, c = kNobody, d = kNobody;
+    Key a = kNoPoint, b = kNoPoint, c = kNoPoint, d = kNoPoint;
     for (Key& key : keys) {
       const Key past_a = std::max(a, key);
       a = std::min(a, key);

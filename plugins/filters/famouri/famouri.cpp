@@ -40,12 +40,13 @@ class Famouri final : public weft::Filter {
   static constexpr weft::Sweep kSweep{"tau2", {0.02, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 2.5, 5}};
 
   explicit Famouri(weft::Params& p) {
-    p.read("neighbours", neighbours_, "", {4, 100}, "nearest neighbours of a match");
-    p.read("tau1", tau1_, "", {0, 1}, "share of neighbours that must be the same in both images");
+    p.read("neighbours", neighbours_, "", {4, 100}, "number of nearest neighbours of a match");
+    p.read("tau1", tau1_, "", {0, 1},
+           "minimum share of neighbours that are the same in template and image");
     p.read("tau2", tau2_, "", {0, 100},
-           "kept within this of what neighbours predict, in spacings of these in the image");
+           "maximum prediction error of a kept match, in spacings of its neighbours in the image");
     p.read("least_oriented", least_oriented_, "", {0, 1},
-           "share of triangles with two neighbours that must keep their orientation");
+           "minimum share of triangles with two neighbours that keep their orientation");
   }
 
   weft::Result<InlierMask> filter(const FilterInput& in) override {

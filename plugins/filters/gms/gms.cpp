@@ -45,15 +45,16 @@ class Gms final : public weft::Filter {
       least_matches_ = 300;
     }
     p.read("alpha", alpha_, "", {0, 1000},
-           "kept from this support on: matches along with one, over the root of those expected");
+           "support above which a match is kept: consistent matches divided by the square root of "
+           "the mean number of matches per cell");
     p.read("cells", most_cells_, "", {kFewestCells, 100},
-           "of the texture along each side, at most");
+           "maximum number of cells along each side of the texture");
     p.read("matches_per_cell", matches_per_cell_, "", {0, 1000},
-           "cells are fewer where they would hold less on average; 0: never");
-    p.read("rotations", rotations_, "try eight turns in the image plane");
-    p.read("scales", scales_, "try cells of the image of half to twice the size");
+           "mean number of matches per cell below which the grid is made coarser; 0: fixed grid");
+    p.read("rotations", rotations_, "search over eight rotations in the image plane");
+    p.read("scales", scales_, "search over image cells of half to twice the size");
     p.read("least_matches", least_matches_, "", {1, 1'000'000},
-           "with fewer there are no statistics: no result");
+           "minimum number of matches for a result");
   }
 
   weft::Result<InlierMask> filter(const FilterInput& in) override {
@@ -138,4 +139,4 @@ class Gms final : public weft::Filter {
 }  // namespace
 
 WEFT_PLUGIN(Gms, "filters/gms", "2.0.0",
-            "Rejects matches that few others go along with from cell to neighbouring cell.")
+            "Rejects matches with few consistent matches in neighbouring cells.")

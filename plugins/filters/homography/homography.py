@@ -28,7 +28,7 @@ def moved(maps, points):
     return np.where(ahead, lifted[..., :2] / np.where(ahead, depth, 1.0), np.inf)
 
 
-def apart(maps, start, end):
+def corner_distance(maps, start, end):
     """How far start, moved by maps [...,3,3], is from end, each [N,2]: [...,N]."""
     return np.hypot(*np.moveaxis(moved(maps, start) - end, -1, 0))
 
@@ -77,7 +77,7 @@ class Homography(weft.Filter):
         found, draws = self.best(given.call, start, end, bound)
         if found is None:
             raise weft.NoResult("no four matches make a plane: they lie on a line, or in one place")
-        off_px = apart(found, start, end) / after[0, 0]
+        off_px = corner_distance(found, start, end) / after[0, 0]
         within = off_px <= self.tolerance_px
         if on_a_line(start[within]) or on_a_line(end[within]):
             raise weft.NoResult("the matches that agree lie on a line, or in one place")
@@ -104,7 +104,7 @@ class Homography(weft.Filter):
             maps = maps[np.linalg.cond(maps) < 1e9]
             if not len(maps):
                 continue
-            off = apart(maps, start, end)
+            off = corner_distance(maps, start, end)
             costs = (np.minimum(off, bound) ** 2).sum(axis=1)
             winner = np.argmin(costs)
             if costs[winner] < least:
@@ -112,7 +112,7 @@ class Homography(weft.Filter):
                 share = max(np.mean(off[winner] <= bound), 1e-9)
                 wanted = min(wanted, math.ceil(math.log(MISSED) / math.log1p(-min(share**4, 1.0 - 1e-9))))
         for _ in range(3 if found is not None else 0):
-            within = apart(found, start, end) <= bound
+            within = corner_distance(found, start, end) <= bound
             if within.sum() >= 4:
                 found = fitted(start[within], end[within])
         return found, draws

@@ -32,12 +32,14 @@ class Lpm final : public weft::Filter {
 
   explicit Lpm(weft::Params& p) {
     p.read("neighbours", neighbours_, "", {3, 100},
-           "K: costs are means over the K - 2, K and K + 2 nearest");
-    p.read("first_lambda", first_lambda_, "", {0, 2},
-           "cost up to which the neighbourhoods of the second pass are made of matches");
-    p.read("lambda", lambda_, "", {0, 2}, "kept up to this cost");
+           "number K of neighbours; costs are means over the K - 2, K and K + 2 nearest");
+    p.read(
+        "first_lambda", first_lambda_, "", {0, 2},
+        "maximum first-pass cost of the matches that form the neighbourhoods of the second pass");
+    p.read("lambda", lambda_, "", {0, 2}, "maximum cost of a kept match");
     p.read("tau", tau_, "", {-1, 1},
-           "motions agree from this on: the smaller length over the larger, times the cosine");
+           "minimum agreement of two motions: ratio of the smaller to the larger length, times the "
+           "cosine of their angle");
   }
 
   weft::Result<InlierMask> filter(const FilterInput& in) override {
@@ -119,8 +121,8 @@ class Lpm final : public weft::Filter {
     double sum = 0.0;
     for (std::size_t s = 0; s < kScales; ++s) {
       // A neighbour that is not shared costs 1, and so does one that moves differently.
-      const int size = size_of(s), lost = size - common[s], apart = common[s] - alike[s];
-      sum += static_cast<double>(lost + apart) / size;
+      const int size = size_of(s), lost = size - common[s], unlike = common[s] - alike[s];
+      sum += static_cast<double>(lost + unlike) / size;
     }
     return sum / kScales;
   }

@@ -28,30 +28,36 @@ class MyNeighbor final : public weft::Filter {
 
   explicit MyNeighbor(weft::Params& p) {
     Options& o = options_;
-    p.choice("mode", o.mode, {{"paper", Mode::paper}, {"authors_code", Mode::authors_code}},
-             "as published, or as in the authors' program");
+    p.choice(
+        "mode", o.mode, {{"paper", Mode::paper}, {"authors_code", Mode::authors_code}},
+        "variant of the method; paper: as published; authors_code: as in the authors' program");
     p.read("steps", o.steps, "", {1, 3},
-           "1: kept is what step I selects, 2: what step II leaves, 3: what agrees with its warp");
+           "step that decides; 1: matches selected by step I; 2: matches left by step II; 3: "
+           "matches that agree with the warp of step II");
     p.read("passes", o.passes, "", {1, 10},
-           "of steps I and II; those after the first leave out clear mismatches");
+           "number of passes of steps I and II; later passes exclude clear outliers");
     p.read("alpha_s", o.alpha_s, "", {0, 10},
-           "for paper: kept within this part of the mean distance of the warped vertices");
+           "maximum residual of a kept match, relative to the mean distance of the warped "
+           "vertices; for paper");
     p.read("authors_alpha_s", o.authors_alpha_s, "", {0, 10},
-           "for authors_code: kept within this part of the mean distance of step II's points");
+           "maximum residual of a kept match, relative to the mean distance of the points of step "
+           "II; for authors_code");
     p.read("mf_threshold_scale", o.mf_threshold_scale, "", {0, 10},
-           "step I selects mismatch factors below this part of their mean");
+           "mismatch factor below which step I selects a match, relative to the mean factor");
     p.read("min_selected", o.min_selected, "", {8, 100000},
-           "where step I selects fewer, it takes the smallest factors, a fifth but at least 8");
-    p.choice("transfer", o.transfer, {{"mesh", Transfer::mesh}, {"warp", Transfer::warp}},
-             "what carries template points to the image: the warped mesh, or the warp itself");
-    p.read("weighted_fit", o.weighted_fit, "the smaller the factor, the larger the weight in fits");
+           "number of selected matches below which step I takes the smallest factors instead, a "
+           "fifth but at least 8");
+    p.choice(
+        "transfer", o.transfer, {{"mesh", Transfer::mesh}, {"warp", Transfer::warp}},
+        "mapping of template points to the image; mesh: the warped mesh; warp: the warp itself");
+    p.read("weighted_fit", o.weighted_fit, "fit weights that decrease with the mismatch factor");
     p.choice("refinement", o.refinement, {{"off", Refinement::off}, {"irls", Refinement::irls}},
-             "irls: robust refits of the warp to all matches");
+             "refinement of the warp; off: none; irls: robust refits to all matches");
     p.read("irls_scales_px", o.irls_scales_px, "px", {0.01, 1e4},
-           "for irls: one refit of all for each s, with weights (s^2 / (s^2 + r^2))^2");
+           "scales s of the robust refits, one each, with weights (s^2 / (s^2 + r^2))^2; for irls");
     p.read("irls_keep_px", o.irls_keep_px, "px", {0, 1e4},
-           "for irls: kept within this distance, instead of alpha_s");
-    p.component("warp", warp_, "the warp that is fitted");
+           "maximum residual of a kept match, instead of alpha_s; for irls");
+    p.component("warp", warp_, "warp that is fitted to the matches");
   }
 
   weft::Result<InlierMask> filter(const FilterInput& in) override {

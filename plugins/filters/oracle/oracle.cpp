@@ -25,8 +25,8 @@ class Oracle final : public weft::Filter {
 
   explicit Oracle(weft::Params& p) {
     p.read("tolerance_px", tolerance_px_, "px", {1e-6, 1e4},
-           "a match is correct when it is closer than this to its true image");
-    p.read("keep_unknown", keep_unknown_, "keep matches of which the truth says nothing");
+           "distance from the true image point below which a match is an inlier");
+    p.read("keep_unknown", keep_unknown_, "acceptance of matches without ground truth");
   }
 
   weft::Result<InlierMask> filter(const FilterInput& in) override {
@@ -77,4 +77,4 @@ class Oracle final : public weft::Filter {
 }  // namespace
 
 WEFT_PLUGIN(Oracle, "filters/oracle", "1.0.0",
-            "Keeps the matches that the ground truth calls correct; for experiments only.")
+            "Keeps the inliers according to the ground truth; for experiments only.")

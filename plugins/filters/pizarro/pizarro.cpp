@@ -31,13 +31,15 @@ class Pizarro final : public weft::Filter {
 
   explicit Pizarro(weft::Params& p) {
     p.read("theta", settings_.theta, "", {1e-3, 100},
-           "kept within this of what neighbours predict, in their spread in the image");
+           "prediction error below which a match is kept, relative to the spread of its neighbours "
+           "in the image");
     p.read("neighbours", settings_.neighbours, "", {5, 100},
-           "nearest matches in the template that predict one");
-    p.read("triples", settings_.triples, "", {1, 100'000}, "affine maps tried for each match");
-    p.read("rounds", settings_.rounds, "", {0, 100}, "of removal of the worst");
+           "number of nearest matches on the template that predict a match");
+    p.read("triples", settings_.triples, "", {1, 100'000}, "number of affine maps tried per match");
+    p.read("rounds", settings_.rounds, "", {0, 100},
+           "maximum number of rounds that remove the worst matches");
     p.read("self_occlusion", self_occlusion_,
-           "also reject matches where the sheet hides itself, by a warp that shrinks there");
+           "rejection of matches on self-occluded parts, found by a warp that shrinks there");
   }
 
   weft::Result<InlierMask> filter(const FilterInput& in) override {
@@ -108,4 +110,4 @@ class Pizarro final : public weft::Filter {
 }  // namespace
 
 WEFT_PLUGIN(Pizarro, "filters/pizarro", "1.1.0",
-            "Rejects matches that local smoothness does not predict or the sheet hides.")
+            "Rejects matches that violate local smoothness or lie on self-occluded parts.")

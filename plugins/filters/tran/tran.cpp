@@ -33,14 +33,16 @@ class Tran final : public weft::Filter {
 
   explicit Tran(weft::Params& p) {
     p.read("tau", tau_, "", {1e-4, 10},
-           "kept within this part of the diagonal that the agreeing matches span in the image");
+           "maximum residual of a kept match, relative to the diagonal of the agreeing matches in "
+           "the image");
     p.choice("residual", search_.residual,
              {{"orthogonal", Residual::orthogonal}, {"regression", Residual::regression}},
-             "distance from the plane in the space of matches, or from the map in the image");
+             "residual of a match; orthogonal: distance from the plane in the space of matches; "
+             "regression: distance from the map in the image");
     p.read("most_draws", search_.most_draws, "", {1, 1'000'000},
-           "samples of three matches at most");
+           "maximum number of samples of three matches");
     p.read("keep_orientation", search_.keep_orientation,
-           "the map must not turn the sheet's back to the camera");
+           "rejection of maps that turn the back of the surface to the camera");
   }
 
   weft::Result<InlierMask> filter(const FilterInput& in) override {

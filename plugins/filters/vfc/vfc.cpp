@@ -38,16 +38,16 @@ class Vfc final : public weft::Filter {
 
   explicit Vfc(weft::Params& p) {
     if (weft::declare_preset(p) == weft::Preset::weft) centres_ = 50;
-    p.read("theta", settings_.theta, "", {0, 1}, "kept from this probability on");
+    p.read("theta", settings_.theta, "", {0, 1}, "inlier probability above which a match is kept");
     p.read("beta", settings_.beta, "", {1e-6, 1e3},
-           "of the kernels exp(-beta |x - y|^2): large ones let the field vary more");
+           "rate of the kernels exp(-beta |x - y|^2); larger values let the field vary more");
     p.read("lambda", settings_.lambda, "", {0, 1e6}, "weight of the field's smoothness");
-    p.read("first_gamma", settings_.first_gamma, "", {0.01, 0.99},
-           "share of correct matches that is assumed at first");
+    p.read("first_gamma", settings_.first_gamma, "", {0.01, 0.99}, "initial share of inliers");
     p.read("mismatch_area", settings_.mismatch_area, "", {1e-3, 1e6},
-           "area over which mismatches are spread, in normalised coordinates");
-    p.read("centres", centres_, "", {3, 1000}, "kernels, at matches drawn at random");
-    p.read("most_rounds", settings_.most_rounds, "", {1, 100'000}, "of expectation and fit");
+           "area over which outliers are spread, in normalised coordinates");
+    p.read("centres", centres_, "", {3, 1000}, "number of kernels, at matches drawn at random");
+    p.read("most_rounds", settings_.most_rounds, "", {1, 100'000},
+           "maximum number of rounds of expectation and fit");
   }
 
   weft::Result<InlierMask> filter(const FilterInput& in) override {
@@ -100,4 +100,5 @@ class Vfc final : public weft::Filter {
 
 }  // namespace
 
-WEFT_PLUGIN(Vfc, "filters/vfc", "2.0.0", "Rejects matches that do not follow a smooth field.")
+WEFT_PLUGIN(Vfc, "filters/vfc", "2.0.0",
+            "Rejects matches that do not follow a smooth motion field.")

@@ -65,21 +65,24 @@ RatioMatching::RatioMatching(Params& p) {
   p.choice("direction", direction_,
            {{"template_to_image", Direction::template_to_image},
             {"image_to_template", Direction::image_to_template}},
-           "whose keypoints look for the nearest of the others; to image_to_template copies of "
-           "the object in the image do not compete");
-  p.read("ratio", ratio_, "", {0.01, 1},
-         "a match is kept if its distance is below this times the second nearest distance");
-  p.read("mutual", mutual_,
-         "keep a match only if each of its keypoints is the nearest one of the other");
-  p.read("one_to_one", one_to_one_, "keep only the match of smallest distance of each image point");
+           "direction of the nearest-neighbour search; with image_to_template, copies of the "
+           "object in the image do not compete");
+  p.read(
+      "ratio", ratio_, "", {0.01, 1},
+      "ratio of the nearest to the second nearest descriptor distance below which a match is kept");
+  p.read("mutual", mutual_, "restriction to matches whose keypoints are nearest to each other");
+  p.read("one_to_one", one_to_one_,
+         "restriction to the match of smallest distance of each image point");
   p.read("root_sift", root_sift_,
-         "compare sqrt(d / |d|_1) in place of d; for descriptors without negative numbers");
-  p.read("duplicate_radius_px", duplicate_radius_px_, "px", {0, 100},
-         "merge matches that agree within this in the template and in the image; 0 merges none");
+         "comparison of sqrt(d / |d|_1) instead of d; for descriptors without negative numbers");
+  p.read(
+      "duplicate_radius_px", duplicate_radius_px_, "px", {0, 100},
+      "distance in the template and in the image within which matches are merged; 0: no merging");
   p.read("second_best_radius_px", second_best_radius_px_, "px", {0, 1000},
-         "the second nearest is taken farther than this from the nearest; 0 takes any other");
-  p.read("max_distance", max_distance_, "", {0, 1000000},
-         "largest distance of a match (RootSIFT: up to 1.42, hamming: bits); 0 is no limit");
+         "minimum distance of the second nearest keypoint from the nearest; 0: none");
+  p.read(
+      "max_distance", max_distance_, "", {0, 1000000},
+      "maximum descriptor distance of a match (RootSIFT: up to 1.42, hamming: bits); 0: no limit");
 }
 
 Result<Sides> RatioMatching::sides(const MatcherInput& in) {

@@ -46,26 +46,25 @@ class DenseFlow final : public Matcher {
 
   explicit DenseFlow(Params& p) {
     p.read("spacing_px", options_.spacing_px, "px", {2, 64},
-           "from match to match, in the picture of `halvings`");
+           "distance between matches, in the image after `halvings`");
     p.read("halvings", halvings_, "", {0, 2},
-           "how often the image is halved before: 1 takes a quarter of the time");
+           "number of times that the image is halved first; 1 takes a quarter of the time");
     p.read("search_px", search_px_, "px", {0, 400},
-           "how far the sheet as a whole may be from the shape");
+           "maximum displacement of the whole surface from the shape");
     p.read("min_correlation", options_.min_correlation, "", {0, 1},
-           "a match is kept if image and drawn texture correlate so well, normalised");
+           "minimum normalised correlation of image and rendered texture of a kept match");
     p.read("max_round_trip_px", options_.max_round_trip_px, "px", {0.01, 100},
-           "a match is kept if the way back from the image ends within this");
+           "maximum forward-backward error of a kept match");
     p.read("max_deviation_px", options_.max_deviation_px, "px", {0.1, 1000},
-           "a match is kept if it moved within this of the median of its neighbours");
+           "maximum difference of a kept match's displacement from the median of its neighbours");
     p.read("min_share", min_share_, "", {0, 1},
-           "there is no result if fewer of the places with texture are found");
+           "minimum share of textured places that are found for a result");
     p.read("max_disagreement_px", max_disagreement_px_, "px", {0.1, 1000},
-           "there is no result if the median of the other matches is so far off");
-    p.read(
-        "max_unlike", max_unlike_, "", {0.001, 1},
-        "the matches' confidence is 1/2 where so much of the texture's contrast is not where the "
-        "shape says; what a smooth thing covers counts a fifth");
-    p.read("min_matches", min_matches_, "", {1, 10000}, "there is no result if fewer are found");
+           "median distance from the other matches at which there is no result");
+    p.read("max_unlike", max_unlike_, "", {0.001, 1},
+           "share of the texture's contrast missing from the predicted places at which the "
+           "matches' confidence is 1/2; contrast under a smooth occluder counts a fifth");
+    p.read("min_matches", min_matches_, "", {1, 10000}, "minimum number of matches for a result");
     view_.emplace(halvings_, true);
   }
 
@@ -293,4 +292,4 @@ class DenseFlow final : public Matcher {
 }  // namespace weft::dense_flow
 
 WEFT_PLUGIN(weft::dense_flow::DenseFlow, "matchers/dense_flow", "1.1.0",
-            "Finds each piece of the texture near a shape that is nearly right.")
+            "Finds every patch of the texture near an approximately correct shape.")

@@ -65,4 +65,4 @@ class Descriptor final : public Matcher {
 
 using weft::descriptor::Descriptor;
 WEFT_PLUGIN(Descriptor, "matchers/descriptor", "1.1.1",
-            "Matches keypoints by their nearest descriptor with Lowe's ratio test, exactly.")
+            "Matches keypoints to the nearest descriptor with Lowe's ratio test, exactly.")

@@ -33,17 +33,18 @@ class Guided final : public Matcher {
 
   explicit Guided(Params& p) : matching_(p) {
     p.read("radius_px", radius_px_, "px", {1, 1000},
-           "a keypoint is looked for within this of where the previous shape has it");
+           "search radius around the keypoint position that the previous shape predicts");
     p.read("least_rivals", least_rivals_, "", {0, 1000},
-           "a match is compared with at least as many keypoints, from all over if need be");
+           "minimum number of keypoints that a match is compared with, from the whole image if "
+           "necessary");
     p.read("least_confidence", least_confidence_, "", {0, 1},
-           "a previous shape of less confidence is not followed");
+           "minimum confidence of a previous shape that is used");
     p.read("least_matches", least_matches_, "", {3, 100'000},
-           "search the whole image where fewer matches agree");
+           "number of agreeing matches below which the whole image is searched");
     p.read("least_share", least_share_, "", {0, 1},
-           "search the whole image where fewer matches agree than this part of those that the "
-           "previous frame kept");
-    p.component("whole", whole_, "searches the whole image");
+           "share of the matches kept in the previous frame that must agree; below it the whole "
+           "image is searched");
+    p.formerly("whole").component("matcher", whole_, "matcher that searches the whole image");
   }
 
   Result<Correspondences> match(const MatcherInput& in) override {
@@ -133,5 +134,4 @@ class Guided final : public Matcher {
 }  // namespace weft::guided
 
 WEFT_PLUGIN(weft::guided::Guided, "matchers/guided", "1.0.2",
-            "Matches keypoints near where the previous shape has them, and all over where that "
-            "fails.")
+            "Matches keypoints near the previous shape, or in the whole image if that fails.")

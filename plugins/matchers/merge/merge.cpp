@@ -34,9 +34,9 @@ class Merge final : public Matcher {
 
   explicit Merge(Params& p) {
     p.read("template_radius_px", template_radius_px_, "px of the texture", {0, 100},
-           "duplicates are within this in the texture");
+           "maximum distance of duplicates in the texture");
     p.read("image_radius_px", image_radius_px_, "px", {0, 100},
-           "duplicates are also within this in the image");
+           "maximum distance of duplicates in the image");
   }
 
   Result<Correspondences> match(const MatcherInput& in) override {
@@ -149,4 +149,4 @@ class Merge final : public Matcher {
 
 using weft::merge::Merge;
 WEFT_PLUGIN(Merge, "matchers/merge", "1.0.2",
-            "Unites the matches of several stages and merges duplicates.")
+            "Merges the matches of several stages and their duplicates.")

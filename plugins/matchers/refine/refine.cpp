@@ -29,11 +29,11 @@ class Refine final : public Matcher {
 
   explicit Refine(Params& p) {
     p.read("min_correlation", options_.min_correlation, "", {0, 1},
-           "a match moves if image and drawn texture correlate so well, normalised");
+           "minimum normalised correlation of image and rendered texture for a match to move");
     p.read("max_step_px", options_.max_step_px, "px", {0.01, 6},
-           "a match moves by at most this; one that would move further stays");
+           "maximum step of a match; a match with a larger step stays unchanged");
     p.read("unrefined_noise_px", unrefined_noise_px_, "px", {0.001, 100},
-           "standard deviation, along u and v, of a match that stays where it was");
+           "standard deviation, along u and v, of an unchanged match");
   }
 
   Result<void> prepare(const PrepareInput& in) override { return load(in.templ); }
@@ -146,4 +146,4 @@ class Refine final : public Matcher {
 }  // namespace weft::refine
 
 WEFT_PLUGIN(weft::refine::Refine, "matchers/refine", "1.0.0",
-            "Moves matches to where the texture itself is seen, to a fraction of a pixel.")
+            "Refines matches by the texture itself, to a fraction of a pixel.")

@@ -26,22 +26,23 @@ class Track final : public Matcher {
       .reads = "previous.correspondences"};
 
   explicit Track(Params& p) {
-    p.read(
-        "max_points", max_points_, "", {16, 10000},
-        "points that are looked for: one in each cell of a grid of about so many over the sheet");
+    p.read("max_points", max_points_, "", {16, 10000},
+           "approximate number of tracked points: one per cell of a grid over the surface");
     p.read("search_px", options_.search_px, "px", {0, 400},
-           "how far the sheet as a whole may have moved since the previous frame");
+           "maximum movement of the whole surface since the previous frame");
     p.read("min_correlation", options_.min_correlation, "", {0, 1},
-           "a point is kept if image and patch correlate so well, normalised");
+           "minimum normalised correlation of image and patch of a kept point");
     p.read("max_deviation_px", options_.max_deviation_px, "px", {0.1, 1000},
-           "a point is kept if it is within this of an affine motion fitted to all");
+           "maximum distance of a kept point from an affine motion fitted to all points");
     p.read("min_share", min_share_, "", {0, 1},
-           "the answer is degenerate if fewer of the points that should be in sight are found");
+           "minimum share of the expected visible points that are found; below it the result is "
+           "degenerate");
     p.read("max_change", max_change_, "", {0, 10},
-           "the answer is degenerate if the sheet turned, grew or sheared by more in the image");
-    p.read("min_matches", min_matches_, "", {1, 10000}, "there is no result if fewer are found");
+           "maximum rotation, growth or shear of the surface in the image; above it the result is "
+           "degenerate");
+    p.read("min_matches", min_matches_, "", {1, 10000}, "minimum number of matches for a result");
     p.read("min_confidence", min_confidence_, "", {0, 1},
-           "the answer is degenerate if the previous shape was less sure than this");
+           "minimum confidence of the previous shape; below it the result is degenerate");
   }
 
   Result<void> prepare(const PrepareInput& in) override { return load(in.templ, in.camera); }
@@ -201,4 +202,4 @@ class Track final : public Matcher {
 }  // namespace weft::track
 
 WEFT_PLUGIN(weft::track::Track, "matchers/track", "1.0.1",
-            "Follows points of the texture from the previous shape into the image.")
+            "Tracks points of the texture from the previous shape into the image.")

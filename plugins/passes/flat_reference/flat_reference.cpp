@@ -25,18 +25,17 @@ class FlatReference final : public Pass {
   static constexpr About kAbout{.needs = "image shape", .produces = "registration"};
 
   explicit FlatReference(Params& p) {
-    p.input_path(
-        "words", words_path_,
-        "JSON list of {text, top, left, height, width} in pixels of the texture, one box a "
-        "word; without it, the cells of a grid are searched");
-    p.read("margin_px", margin_px_, "px", {0, 1000}, "added to each side of a box");
+    p.input_path("words", words_path_,
+                 "JSON list of {text, top, left, height, width} in pixels of the texture, one box "
+                 "per word; without it, the cells of a grid are searched");
+    p.read("margin_px", margin_px_, "px", {0, 1000}, "width that is added to each side of a box");
     p.read("range_mm", range_mm_, "mm", {0.0, 1000.0},
-           "largest displacement that is searched along each axis of the texture");
+           "maximum displacement that is searched along each axis of the texture");
     p.read("threshold", threshold_, "", {0.0, 1.0},
-           "normalised cross-correlation from which a patch counts as found");
-    p.read("cell_mm", cell_mm_, "mm", {0.1, 1000.0}, "side of the cells, without words");
+           "minimum normalised cross-correlation of a found patch");
+    p.read("cell_mm", cell_mm_, "mm", {0.1, 1000.0}, "side of the grid cells, without words");
     p.read("min_contrast", min_contrast_, "grey levels", {1.0, 128.0},
-           "standard deviation below which a patch is blank and is not counted");
+           "standard deviation below which a patch is blank and not counted");
   }
 
   void check(Mistakes& mistakes) const {
@@ -150,5 +149,6 @@ class FlatReference final : public Pass {
 }  // namespace weft::flat_reference
 
 using weft::flat_reference::FlatReference;
-WEFT_PLUGIN(FlatReference, "passes/flat_reference", "1.0.0",
-            "Measures registration: searches patches of the flat print in the unwarped image.")
+WEFT_PLUGIN(
+    FlatReference, "passes/flat_reference", "1.0.0",
+    "Measures registration by a search for patches of the flat texture in the unwarped image.")

@@ -45,12 +45,12 @@ class NearShape final : public Pass {
 
   explicit NearShape(Params& p) {
     p.read("margin", margin_, "", {0.0, 10.0},
-           "how far the surface may have moved, relative to the longer side of its box in the "
-           "image");
+           "maximum expected movement of the surface, relative to the longer side of its box in "
+           "the image");
     p.read("least_confidence", least_confidence_, "", {0.0, 1.0},
-           "a previous shape of less confidence is not trusted");
+           "minimum confidence of a previous shape that is used");
     p.read("longest_age", longest_age_, "frames", {1, 1000000},
-           "nor one that was measured so many frames before the previous one");
+           "age from which a previous shape is ignored");
   }
 
   Result<PassOutput> run(const PassInput& in) override {
@@ -128,4 +128,4 @@ class NearShape final : public Pass {
 
 using weft::near_shape::NearShape;
 WEFT_PLUGIN(NearShape, "passes/near_shape", "1.0.0",
-            "The part of the image around the previous shape, for detectors.")
+            "Gives detectors the image region around the previous shape.")

@@ -44,20 +44,22 @@ class SalientCells final : public Pass {
       .produces = "sightlines"};
 
   explicit SalientCells(Params& p) {
-    p.choice("mode", mode_, {{"vertices", Mode::vertices}, {"matches", Mode::matches}},
-             "what is put on a ray: warped vertices, or the matches themselves");
+    p.choice(
+        "mode", mode_, {{"vertices", Mode::vertices}, {"matches", Mode::matches}},
+        "points that get sightlines; vertices: warped vertices; matches: the matches themselves");
     p.read("min_matches_per_cell", rules_.min_matches_per_cell, "", {1, 1000000},
-           "kept matches that make a face salient");
+           "minimum number of kept matches of a salient face");
     p.read("reach", rules_.reach, "share of the template's diagonal", {0.0, 1.0},
-           "a match this near to the middle of a face makes it salient too");
+           "distance from the centre of a face within which a match makes it salient too");
     p.read("min_sightlines", min_sightlines_, "", {3, 1000000},
-           "with fewer there is no result for the frame");
+           "minimum number of sightlines for a result");
     p.read("reject_folded", rules_.reject_folded,
-           "leave out faces that the warp turns over or squeezes below 2 % of the median area");
+           "rejection of faces that the warp turns over or squeezes below 2 % of the median area");
     p.read("image_margin", rules_.image_margin, "share of the image", {0, 1000},
-           "a point may lie this far outside the image");
+           "maximum distance of a point outside the image");
     p.read("weight_by_matches", weight_by_matches_,
-           "trust a vertex by 1 - exp(-n/2), n kept matches in its salient faces; else by 1");
+           "weights 1 - exp(-n/2) of vertices with n kept matches in their salient faces; false: "
+           "weight 1");
   }
 
   Result<PassOutput> run(const PassInput& in) override {
@@ -161,4 +163,4 @@ class SalientCells final : public Pass {
 
 using weft::salient_cells::SalientCells;
 WEFT_PLUGIN(SalientCells, "passes/salient_cells", "1.1.0",
-            "Puts the mesh points of cells that hold matches on the rays where they are seen.")
+            "Gives sightlines of the mesh vertices in cells that contain matches.")

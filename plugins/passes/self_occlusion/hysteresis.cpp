@@ -16,12 +16,13 @@ struct Finding {
   bool known = true, confirmed = false, lacks_matches = false;
 };
 
-Finding finding_of(const Sight& sight, const std::optional<Told>& told, std::size_t v) {
+Finding finding_of(const Sight& sight, const std::optional<MatchFindings>& by_matches,
+                   std::size_t v) {
   Finding found{sight.reason[v], sight.score[v], sight.known[v] != 0, false, false};
-  if (!told || found.reason == SightReason::outside) return found;
-  found.lacks_matches = told->evidence.around[v] == 0;
-  if (told->evidence.confirmed[v] != 0) return {SightReason::seen, 1.0, true, true, false};
-  if (told->unconfirmed[v] != 0) found.reason = SightReason::unconfirmed;
+  if (!by_matches || found.reason == SightReason::outside) return found;
+  found.lacks_matches = by_matches->evidence.around[v] == 0;
+  if (by_matches->evidence.confirmed[v] != 0) return {SightReason::seen, 1.0, true, true, false};
+  if (by_matches->unconfirmed[v] != 0) found.reason = SightReason::unconfirmed;
   return found;
 }
 
@@ -49,7 +50,7 @@ Judged judge(const Finding& found, const std::optional<Visibility>& previous, st
 
 }  // namespace
 
-Visibility settle(const Sight& sight, const std::optional<Told>& told,
+Visibility settle(const Sight& sight, const std::optional<MatchFindings>& by_matches,
                   const std::optional<Visibility>& previous, const Rules& rules) {
   const auto count = static_cast<std::int64_t>(sight.reason.size());
   Visibility result;
@@ -59,7 +60,7 @@ Visibility settle(const Sight& sight, const std::optional<Told>& told,
   int overruled = 0, unconfirmed = 0, visible = 0;
   for (std::int64_t v = 0; v < count; ++v) {
     const auto i = to_index(v);
-    const Finding found = finding_of(sight, told, i);
+    const Finding found = finding_of(sight, by_matches, i);
     const Judged judged = judge(found, previous, v, rules);
     SightReason reason = found.reason;
     if (judged.visible) {

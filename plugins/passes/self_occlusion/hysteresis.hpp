@@ -17,7 +17,7 @@ struct Rules {
 };
 
 /// What matches tell of a frame.
-struct Told {
+struct MatchFindings {
   Evidence evidence;
   std::vector<std::uint8_t> unconfirmed;  ///< [V] 1 where nothing is recognised
 };
@@ -29,7 +29,7 @@ struct Told {
 /// around it; one that was not stays so until s_t > show_above. Without a previous frame the
 /// geometry decides. Whether a vertex is in the image needs no memory. A vertex that cannot be told
 /// keeps its side. `evidence` is absent without matches.
-Visibility settle(const Sight& sight, const std::optional<Told>& told,
+Visibility settle(const Sight& sight, const std::optional<MatchFindings>& by_matches,
                   const std::optional<Visibility>& previous, const Rules& rules);
 
 }  // namespace weft::self_occlusion

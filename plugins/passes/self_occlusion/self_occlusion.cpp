@@ -30,17 +30,20 @@ class SelfOcclusion final : public Pass {
   explicit SelfOcclusion(Params& p) {
     p.read("memory", rules_.memory, "", {0.0, 0.99}, "weight of the previous score");
     p.read("hide_below", rules_.hide_below, "", {0.0, 0.5},
-           "a vertex that was seen is hidden below this score");
+           "score below which a visible vertex becomes hidden");
     p.read("show_above", rules_.show_above, "", {0.5, 1.0},
-           "a vertex that was hidden is seen above this score");
-    p.read("missing_matches", missing_matches_, "", {0.0, 1e6},
-           "a part with so many kept matches expected and none found is unconfirmed; 0: none is");
+           "score above which a hidden vertex becomes visible");
+    p.read(
+        "missing_matches", missing_matches_, "", {0.0, 1e6},
+        "number of expected matches at which a part without kept matches is unconfirmed; 0: never");
     p.read("match_tolerance_px", match_tolerance_px_, "px", {0.0, 1e6},
-           "two kept matches at a vertex that agree within this show it, whatever the shape says");
+           "distance within which two kept matches at a vertex agree and make it visible, "
+           "regardless of the shape");
     p.read("longest_age", longest_age_, "frames", {0, 1000000},
-           "a previous shape older than this is not looked at");
-    p.read("vertices", vertices_, "", {0, 1000000},
-           "of a coarser mesh that is looked at in place of a finer one, about; 0: never");
+           "age from which a previous shape is ignored");
+    p.read(
+        "vertices", vertices_, "", {0, 1000000},
+        "approximate number of vertices of the coarser mesh that replaces a finer one; 0: never");
   }
 
   Result<PassOutput> run(const PassInput& in) override {
@@ -60,18 +63,18 @@ class SelfOcclusion final : public Pass {
       return no_result("there is neither a shape nor a warp to look at");
     }
     Sight sight;
-    std::optional<Told> told;
+    std::optional<MatchFindings> by_matches;
     if (shape) {
       const Points3View vertices_m = shape->vertices_m.matrix<3>();
       const FacesView faces = in.templ.faces.matrix<3>();
       sight = look(vertices_m, faces, around_, in.camera, *scene_);
       const Scene scene{vertices_m, faces, around_, sight.cosines};
-      if (in.correspondences) told = what_matches_tell(in, scene, sight);
+      if (in.correspondences) by_matches = what_matches_tell(in, scene, sight);
     } else {
       sight = look_at_warp(in.templ, *in.warp_samples, around_, in.camera);
     }
     PassOutput out;
-    out.visibility = settle(sight, told, in.previous_visibility, rules_);
+    out.visibility = settle(sight, by_matches, in.previous_visibility, rules_);
     out.visibility->diag.set("looked_at", in.shape ? 0.0 : shape ? 1.0 : 2.0);
     return out;
   }
@@ -154,13 +157,16 @@ class SelfOcclusion final : public Pass {
     return {};
   }
 
-  Told what_matches_tell(const PassInput& in, const Scene& scene, const Sight& sight) const {
-    Told told{gather_evidence(scene, in.camera, *in.correspondences, match_tolerance_px_), {}};
-    told.unconfirmed.assign(sight.reason.size(), 0);
+  MatchFindings what_matches_tell(const PassInput& in, const Scene& scene,
+                                  const Sight& sight) const {
+    MatchFindings by_matches{
+        gather_evidence(scene, in.camera, *in.correspondences, match_tolerance_px_), {}};
+    by_matches.unconfirmed.assign(sight.reason.size(), 0);
     if (missing_matches_ > 0.0) {
-      told.unconfirmed = unconfirmed_vertices(scene, sight, told.evidence, missing_matches_);
+      by_matches.unconfirmed =
+          unconfirmed_vertices(scene, sight, by_matches.evidence, missing_matches_);
     }
-    return told;
+    return by_matches;
   }
 
   /// The shape of this frame, else the previous one while it is fresh; only one that lies before
@@ -195,4 +201,4 @@ class SelfOcclusion final : public Pass {
 
 using weft::self_occlusion::SelfOcclusion;
 WEFT_PLUGIN(SelfOcclusion, "passes/self_occlusion", "1.1.0",
-            "Tells which vertices the camera sees, by rays on the shape and by the matches.")
+            "Determines the visible vertices by rays on the shape and by the matches.")

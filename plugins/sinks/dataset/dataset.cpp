@@ -32,7 +32,8 @@ class Dataset final : public Sink {
 
   explicit Dataset(Params& p) {
     p.output_path("path", path_, "folder of the sequence");
-    p.read("dense_truth", dense_truth_, "keep depth and template point of each pixel, if known");
+    p.read("dense_truth", dense_truth_,
+           "depth and template point of each pixel in the sequence, if known");
   }
 
   Result<void> prepare(const PrepareInput& in) override {
@@ -131,4 +132,4 @@ class Dataset final : public Sink {
 
 using weft::dataset::Dataset;
 WEFT_PLUGIN(Dataset, "sinks/dataset", "1.0.0",
-            "Writes images, camera, template and truth as a sequence that can be read again.")
+            "Writes images, camera, template and ground truth as a sequence that sources can read.")

@@ -20,15 +20,15 @@ class Drawing final : public Sink {
   static constexpr About kAbout{.needs = "template", .reads = "image camera correspondences shape"};
 
   explicit Drawing(Params& p) {
-    p.output_path("path", path_, "PNG file");
+    p.output_path("path", path_, "path of the PNG file");
     p.choice("content", content_,
              {{"mesh", Content::mesh},
               {"texture", Content::texture},
               {"matches", Content::matches},
               {"twins", Content::twins}},
-             "the mesh over the texture, with the object where it is not flat; the texture; the "
-             "first image with a shape, its mesh and how far its matches are off; or keypoints of "
-             "the texture that look alike");
+             "content of the image; mesh: mesh over the texture, with the object at rest if it is "
+             "curved; texture: texture only; matches: first image with a shape, its mesh and match "
+             "residuals; twins: similar keypoints of the texture");
   }
 
   Result<void> open(const Call&) override {
@@ -72,4 +72,4 @@ class Drawing final : public Sink {
 }  // namespace weft::drawing
 
 using weft::drawing::Drawing;
-WEFT_PLUGIN(Drawing, "sinks/drawing", "1.2.0", "A picture of the template and its mesh.")
+WEFT_PLUGIN(Drawing, "sinks/drawing", "1.2.0", "Renders the template and its mesh as a PNG file.")

@@ -140,7 +140,7 @@ class HttpSession final : public Client, public std::enable_shared_from_this<Htt
     const std::string_view path = path_of(visit.target);
     const PageFile* file = page_file(path);
     const bool needs_token = file == nullptr || !file->is_public;
-    if (const auto refusal = hub_.setup.gate.refuse(visit, needs_token)) {
+    if (const auto refusal = hub_.setup.policy.refuse(visit, needs_token)) {
       return refuse(static_cast<http::status>(refusal->status), refusal->sentence);
     }
     if (request.method() != http::verb::get) {

@@ -14,8 +14,8 @@
 #include <vector>
 #include <weft/data/camera.hpp>
 
-#include "exchange.hpp"
-#include "gate.hpp"
+#include "access_policy.hpp"
+#include "run_channel.hpp"
 
 namespace weft::live {
 
@@ -36,7 +36,7 @@ struct Limits {
 
 /// What does not change in a run.
 struct LiveSetup {
-  Gate gate;
+  AccessPolicy policy;
   PictureStyle style{};
   Camera camera{};
   std::vector<std::int32_t> faces{};  ///< [F,3] vertex indices
@@ -66,7 +66,7 @@ class Client {
 
 /// What the clients share, of the server's thread.
 struct Hub {
-  Hub(LiveSetup given, Exchange& run) : setup(std::move(given)), exchange(run) {}
+  Hub(LiveSetup given, RunChannel& run) : setup(std::move(given)), run_channel(run) {}
   Hub(const Hub&) = delete;
   Hub& operator=(const Hub&) = delete;
 
@@ -83,7 +83,7 @@ struct Hub {
   bool has_newer(std::uint64_t had) const { return newest != nullptr && frame_count != had; }
 
   const LiveSetup setup;
-  Exchange& exchange;
+  RunChannel& run_channel;
   std::shared_ptr<ShownFrame> newest;  ///< null before the first one, and when it has passed
   std::uint64_t frame_count = 0;       ///< counts up with each newest frame
   std::string settings;                ///< one JSON object; empty before the first ones

@@ -19,9 +19,9 @@ class LinesSession final : public Client, public std::enable_shared_from_this<Li
         socket_(std::move(socket)),
         patience_(socket_.get_executor()),
         head_(std::move(head)) {
-    hub.exchange.count_readers(1);
+    hub.run_channel.count_readers(1);
   }
-  ~LinesSession() override { hub_.exchange.count_readers(-1); }
+  ~LinesSession() override { hub_.run_channel.count_readers(-1); }
 
   void run() {
     watch();

@@ -21,16 +21,18 @@ class Live final : public Sink {
 
   explicit Live(Params& p) {
     p.text("address", address_,
-           "ADDRESS:PORT at which it is served; port 0: a free one, for tests");
+           "address of the server, as ADDRESS:PORT; port 0: a free port, for tests");
     p.text("token", token_,
-           "what clients must know, at least 16 letters and digits; needed where others than this "
-           "machine reach the address; ${NAME} takes it from the environment");
-    p.input_path("token_file", token_file_, "or a file with the token, readable by its owner only");
+           "access token of the clients, at least 16 letters and digits; required if other "
+           "machines can reach the address; ${NAME} reads it from the environment");
+    p.input_path("token_file", token_file_,
+                 "file that contains the token, readable by its owner only; replaces 'token'");
     p.text("origin", origin_,
-           "a page of another origin that may connect too, such as https://app.foxglove.dev");
-    p.read("jpeg_quality", style_.quality, "", {1, 100}, "of the images that clients are sent");
+           "additional web origin that may connect, such as https://app.foxglove.dev");
+    p.read("jpeg_quality", style_.quality, "", {1, 100},
+           "JPEG quality of the images sent to clients");
     p.read("image_width_px", style_.width_px, "px", {0, 20'000},
-           "wider images are made smaller for clients; 0: none is");
+           "maximum width of the images sent to clients; wider ones are scaled down; 0: no limit");
   }
 
   void check(Mistakes& mistakes) const {
@@ -39,9 +41,9 @@ class Live final : public Sink {
     const char* parameter = token_file_.empty() ? "token" : "token_file";
     const auto token = chosen_token();
     if (mistakes.expect(parameter, token)) {
-      mistakes.expect(parameter, Gate(place->host, *token, origin_).check_token());
+      mistakes.expect(parameter, AccessPolicy(place->host, *token, origin_).check_token());
     }
-    mistakes.expect("origin", Gate(place->host, "", origin_).check_origin());
+    mistakes.expect("origin", AccessPolicy(place->host, "", origin_).check_origin());
   }
 
   Result<void> prepare(const PrepareInput& in) override {
@@ -60,10 +62,11 @@ class Live final : public Sink {
     if (!place) return place.error();
     const auto token = chosen_token();
     if (!token) return token.error();
-    LiveSetup setup{Gate(place->host, *token, origin_), style_, camera_, faces_, scene_, {}};
-    if (auto fits = setup.gate.check_token(); !fits) return fits;
-    if (auto fits = setup.gate.check_origin(); !fits) return fits;
-    auto started = start_server(*place, std::move(setup), exchange_);
+    LiveSetup setup{
+        AccessPolicy(place->host, *token, origin_), style_, camera_, faces_, scene_, {}};
+    if (auto fits = setup.policy.check_token(); !fits) return fits;
+    if (auto fits = setup.policy.check_origin(); !fits) return fits;
+    auto started = start_server(*place, std::move(setup), run_channel_);
     if (!started) return started.error();
     server_ = *std::move(started);
     opened_ = std::chrono::steady_clock::now();
@@ -78,13 +81,13 @@ class Live final : public Sink {
     }
     if (in.run_settings && in.run_settings->revision != settings_revision_) {
       settings_revision_ = in.run_settings->revision;
-      exchange_.put_settings(in.run_settings->json);
+      run_channel_.put_settings(in.run_settings->json);
     }
-    if (in.frame_report && exchange_.is_read()) exchange_.put_line(in.frame_report->json);
-    if (exchange_.is_watched()) {
-      exchange_.put_frame(shown_of(in));
+    if (in.frame_report && run_channel_.is_read()) run_channel_.put_line(in.frame_report->json);
+    if (run_channel_.is_watched()) {
+      run_channel_.put_frame(shown_of(in));
     } else {
-      exchange_.pass_frame();
+      run_channel_.pass_frame();
     }
     return {};
   }
@@ -95,8 +98,8 @@ class Live final : public Sink {
     return {};
   }
 
-  std::vector<Wish> take_wishes() { return exchange_.take_wishes(); }
-  void answer(const WishAnswer& answer) { exchange_.answer(answer); }
+  std::vector<ChangeRequest> take_change_requests() { return run_channel_.take_change_requests(); }
+  void answer(const ChangeAnswer& answer) { run_channel_.answer(answer); }
 
  private:
   Result<std::string> chosen_token() const {
@@ -157,7 +160,7 @@ class Live final : public Sink {
   std::vector<std::int32_t> faces_;
   std::string scene_;
   std::optional<std::uint64_t> settings_revision_;
-  Exchange exchange_;  // outlives the server
+  RunChannel run_channel_;  // outlives the server
   std::unique_ptr<Server> server_;
   std::chrono::steady_clock::time_point opened_;
 };
@@ -166,6 +169,6 @@ class Live final : public Sink {
 }  // namespace weft::live
 
 using weft::live::Live;
-WEFT_PLUGIN(Live, "sinks/live", "1.0.0",
-            "Shows the run in a browser while it goes, sends it to other programs, and lets them "
-            "change it.")
+WEFT_PLUGIN(
+    Live, "sinks/live", "1.0.0",
+    "Serves a live view of the run to browsers and other programs, which can also change it.")

@@ -47,11 +47,11 @@ class LiveProtocol final : public Protocol {
     if (!is_text) return "a message that is no text";
     const auto said = parse_said(message);
     if (!said) return said.error().message;
-    if (!said->is_wish) {
+    if (!said->is_change_request) {
       is_ready_ = true;
       return {};
     }
-    const std::string refusal = hub_.exchange.ask(client_, said->number, said->text);
+    const std::string refusal = hub_.run_channel.ask(client_, said->number, said->text);
     if (!refusal.empty()) answers_.push_back(answer_message(said->number, 0, refusal));
     return {};
   }

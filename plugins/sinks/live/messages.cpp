@@ -198,9 +198,9 @@ Result<Said> parse_said(std::string_view message) {
     return refuse("a wish without a number from 0 on");
   }
   if (text == said.end() || !text->is_string()) return refuse("a wish without a text");
-  Said wish{true, number->get<std::uint64_t>(), text->get<std::string>()};
-  if (has_control_character(wish.text)) return refuse("a wish with a control character");
-  return wish;
+  Said request{true, number->get<std::uint64_t>(), text->get<std::string>()};
+  if (has_control_character(request.text)) return refuse("a wish with a control character");
+  return request;
 }
 
 }  // namespace weft::live

@@ -30,7 +30,7 @@ std::string frame_message(const FrameCopy& frame, const std::string& jpeg);
 
 /// What a client of weft.live.1 says.
 struct Said {
-  bool is_wish = false;  ///< else it is ready for a frame
+  bool is_change_request = false;  ///< else it is ready for a frame
   std::uint64_t number = 0;
   std::string text;
 };

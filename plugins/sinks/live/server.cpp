@@ -24,15 +24,15 @@ void keep_from_children(int descriptor) { fcntl(descriptor, F_SETFD, FD_CLOEXEC)
 /// All that it holds belongs to its thread, once that runs.
 class TcpServer final : public Server {
  public:
-  TcpServer(LiveSetup setup, Exchange& exchange)
-      : hub_(std::move(setup), exchange),
+  TcpServer(LiveSetup setup, RunChannel& run_channel)
+      : hub_(std::move(setup), run_channel),
         acceptor_(context_),
         retry_(context_),
         last_moment_(context_),
         stillness_(context_),
         work_(asio::make_work_guard(context_)) {}
   ~TcpServer() override {
-    hub_.exchange.detach();
+    hub_.run_channel.detach();
     stop();
   }
   TcpServer(const TcpServer&) = delete;
@@ -56,7 +56,7 @@ class TcpServer final : public Server {
       serve();
       promise.set_value();
     });
-    hub_.exchange.attach([this] { asio::post(context_, [this] { receive(); }); });
+    hub_.run_channel.attach([this] { asio::post(context_, [this] { receive(); }); });
     return code;
   }
 
@@ -64,7 +64,7 @@ class TcpServer final : public Server {
 
   void finish() override {
     if (!thread_.joinable()) return;
-    hub_.exchange.detach();
+    hub_.run_channel.detach();
     asio::post(context_, [this] { end(); });
     ended_.wait_for(hub_.setup.limits.end);
     stop();
@@ -117,7 +117,7 @@ class TcpServer final : public Server {
   }
 
   void receive() {
-    Arrivals arrivals = hub_.exchange.take();
+    Arrivals arrivals = hub_.run_channel.take();
     if (arrivals.settings) {
       hub_.settings = *std::move(arrivals.settings);
       ++hub_.settings_count;
@@ -127,15 +127,15 @@ class TcpServer final : public Server {
       hub_.newest = std::make_shared<ShownFrame>(*std::move(arrivals.frame), hub_.setup.style);
       ++hub_.frame_count;
     }
-    bool is_told = false;
-    if (arrivals.is_passed || arrivals.frame) is_told = frames_come();
+    bool has_news = false;
+    if (arrivals.is_passed || arrivals.frame) has_news = frames_come();
     for (const ClientAnswer& answer : arrivals.answers) {
       if (!answer.pauses) continue;
       hub_.is_paused = *answer.pauses;
       hub_.pause_frame = answer.frame;
       hub_.has_left = answer.client == kServer;
       ++hub_.pause_count;
-      is_told = true;
+      has_news = true;
     }
     std::vector<Text> lines;
     for (std::string& line : arrivals.lines) {
@@ -144,7 +144,7 @@ class TcpServer final : public Server {
     for (Client* client : hub_.clients) {
       for (const ClientAnswer& answer : arrivals.answers) client->take_answer(answer);
       for (const Text& line : lines) client->take_line(line);
-      if (is_told || arrivals.settings || arrivals.frame) client->look();
+      if (has_news || arrivals.settings || arrivals.frame) client->look();
     }
   }
 
@@ -200,8 +200,8 @@ class TcpServer final : public Server {
 }  // namespace
 
 Result<std::unique_ptr<Server>> start_server(const network::Address& address, LiveSetup setup,
-                                             Exchange& exchange) {
-  auto server = std::make_unique<TcpServer>(std::move(setup), exchange);
+                                             RunChannel& run_channel) {
+  auto server = std::make_unique<TcpServer>(std::move(setup), run_channel);
   const tcp::endpoint endpoint(address.host, address.port);
   if (const auto code = server->listen(endpoint)) {
     std::ostringstream name;

@@ -22,6 +22,6 @@ class Server {
 
 /// Listens from now on. `exchange` outlives the server.
 Result<std::unique_ptr<Server>> start_server(const network::Address& address, LiveSetup setup,
-                                             Exchange& exchange);
+                                             RunChannel& run_channel);
 
 }  // namespace weft::live

@@ -25,11 +25,11 @@ class WebSocketSession final : public Client,
         protocol_(std::move(protocol)),
         socket_(std::move(stream)),
         patience_(socket_.get_executor()) {
-    hub.exchange.count_viewers(1);
+    hub.run_channel.count_viewers(1);
   }
   ~WebSocketSession() override {
-    hub_.exchange.leave(id_);
-    hub_.exchange.count_viewers(-1);
+    hub_.run_channel.leave(id_);
+    hub_.run_channel.count_viewers(-1);
   }
 
   void run(const Request& request, std::string_view subprotocol) {

@@ -28,8 +28,9 @@ class Meshes final : public Sink {
   explicit Meshes(Params& p) {
     p.output_path("path", path_, "folder of the mesh files");
     p.choice("format", format_,
-             {{"ply", Format::ply}, {"obj", Format::obj}, {"both", Format::both}}, "file format");
-    p.read("texture", texture_, "give OBJ files texture coordinates and the template's texture");
+             {{"ply", Format::ply}, {"obj", Format::obj}, {"both", Format::both}},
+             "file format of the meshes; both: one PLY and one OBJ file per frame");
+    p.read("texture", texture_, "texture coordinates and the template's texture in OBJ files");
   }
 
   Result<void> prepare(const PrepareInput& in) override {

@@ -31,22 +31,23 @@ class Overlay final : public Sink {
                                 .reads = "shape visibility correspondences time"};
 
   explicit Overlay(Params& p) {
-    p.output_path("path", path_, "video file, .avi or .mkv");
-    p.read("fps", fps_, "1/s", {0.1, 1000.0}, "frames a second of the video");
+    p.output_path("path", path_, "path of the video file, .avi or .mkv");
+    p.read("fps", fps_, "1/s", {0.1, 1000.0}, "frame rate of the video");
     p.read("stills_every", stills_every_, "frames", {0, 1'000'000},
-           "also keep every n-th frame as an image file; 0: none");
+           "interval at which frames are also written as image files; 0: none");
     p.choice("stills_format", stills_format_, {{"png", Format::png}, {"jpg", Format::jpg}},
-             "png: without losses; jpg: smaller");
-    p.output_path("stills", stills_path_, "folder of these; named like the video by default");
+             "file format of the stills; png: lossless; jpg: smaller files");
+    p.output_path("stills", stills_path_, "folder of the stills; by default named after the video");
     p.read("stills_width_px", stills_width_px_, "px", {0, 10'000},
-           "width of these; 0: that of the video");
-    p.read("draw_matches", draw_matches_, "draw the kept matches as dots");
+           "width of the stills; 0: width of the video");
+    p.read("draw_matches", draw_matches_, "rendering of the kept matches as dots");
     p.read("line_width_px", line_width_px_, "px", {0, 20},
-           "width of the mesh's lines; 0: by the size of the image");
+           "width of the mesh lines; 0: derived from the image size");
     p.choice("view", view_, {{"side", View::side}, {"image", View::image}},
-             "side: beside the image the mesh from the side; image: the image alone");
+             "content of the video; side: the image beside a side view of the mesh; image: the "
+             "image only");
     p.read("turn_frames", turn_frames_, "frames", {0, 1'000'000},
-           "in which the view from the side swings to and fro; 0: it stands still");
+           "period of the swinging side view; 0: fixed view");
   }
 
   void check(Mistakes& mistakes) const { mistakes.expect("path", VideoFile::check_format(path_)); }
@@ -212,4 +213,4 @@ class Overlay final : public Sink {
 
 using weft::overlay::Overlay;
 WEFT_PLUGIN(Overlay, "sinks/overlay", "1.0.0",
-            "Writes a video of the frames with the mesh over them, and of the mesh from the side.")
+            "Writes a video of the frames with the mesh overlaid and a side view of the mesh.")

@@ -17,11 +17,14 @@ class Stream final : public Sink {
   static constexpr About kAbout{.needs = "shape", .reads = "time"};
 
   explicit Stream(Params& p) {
-    p.text("to", to_, "tcp://ADDRESS:PORT serves readers, udp://ADDRESS:PORT sends to one");
-    p.output_path("path", path_, "in place of 'to' a file, a named pipe or /dev/stdout");
+    p.text("to", to_,
+           "destination of the stream; tcp://ADDRESS:PORT accepts readers; udp://ADDRESS:PORT "
+           "sends to one reader");
+    p.output_path("path", path_, "file, named pipe or /dev/stdout that replaces 'to'");
     p.choice("format", format_, {{"json_lines", Format::json_lines}, {"packed", Format::packed}},
-             "one JSON object a line, or bytes");
-    p.read("covariance", covariance_, "also the covariance of each vertex, if the solver gives it");
+             "format of the stream; json_lines: one JSON object per line; packed: binary");
+    p.read("covariance", covariance_,
+           "covariance of each vertex in the stream, if the solver provides it");
   }
 
   void check(Mistakes& mistakes) const { mistakes.expect("to", destination()); }
@@ -92,4 +95,4 @@ class Stream final : public Sink {
 
 using weft::stream::Stream;
 WEFT_PLUGIN(Stream, "sinks/stream", "1.0.0",
-            "Sends the points of each frame to programs that read while the pipeline runs.")
+            "Streams the points of each frame to other programs while the pipeline runs.")

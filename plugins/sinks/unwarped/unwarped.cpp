@@ -20,7 +20,8 @@ class Unwarped final : public Sink {
 
   explicit Unwarped(Params& p) {
     p.output_path("path", path_, "folder of the images");
-    p.choice("format", format_, {{"png", Format::png}, {"jpg", Format::jpg}}, "file format");
+    p.choice("format", format_, {{"png", Format::png}, {"jpg", Format::jpg}},
+             "file format of the images");
   }
 
   Result<void> open(const Call&) override { return output_folder::make(path_); }
@@ -55,4 +56,4 @@ class Unwarped final : public Sink {
 
 using weft::unwarped::Unwarped;
 WEFT_PLUGIN(Unwarped, "sinks/unwarped", "1.0.0",
-            "Writes each image as it would be if the object lay flat.")
+            "Writes each image unwarped, as if the object were flat.")

@@ -35,10 +35,11 @@ class BartoliConformal final : public Solver {
   explicit BartoliConformal(Params& p) {
     grid_.declare(p);
     p.read("integration_smoothing", integration_smoothing_, "", {1e-12, 1e6},
-           "of the integrated distance: bending energy against squared slopes");
-    p.read("control", control_, "", {4, 40}, "control points of the surface along u and along v");
+           "bending weight of the integrated distance, relative to squared slopes");
+    p.read("control", control_, "", {4, 40},
+           "number of control points of the surface along u and along v");
     p.read("smoothing", smoothing_, "", {1e-6, 1e6},
-           "of the surface: bending energy in areas of a knot cell");
+           "weight of the surface's bending energy, in areas of a knot cell");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -85,4 +86,4 @@ class BartoliConformal final : public Solver {
 
 using weft::bartoli_conformal::BartoliConformal;
 WEFT_PLUGIN(BartoliConformal, "solvers/bartoli_conformal", "1.1.0",
-            "Closed-form conformal shape from a warp and its first derivatives.")
+            "Computes a conformal shape in closed form from a warp and its first derivatives.")

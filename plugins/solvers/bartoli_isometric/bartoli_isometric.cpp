@@ -36,9 +36,10 @@ class BartoliIsometric final : public Solver {
 
   explicit BartoliIsometric(Params& p) {
     grid_.declare(p);
-    p.read("control", control_, "", {4, 40}, "control points of the surface along u and along v");
+    p.read("control", control_, "", {4, 40},
+           "number of control points of the surface along u and along v");
     p.read("smoothing", smoothing_, "", {1e-6, 1e6},
-           "of the surface: bending energy in areas of a knot cell");
+           "weight of the surface's bending energy, in areas of a knot cell");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -74,4 +75,4 @@ class BartoliIsometric final : public Solver {
 
 using weft::bartoli_isometric::BartoliIsometric;
 WEFT_PLUGIN(BartoliIsometric, "solvers/bartoli_isometric", "1.1.0",
-            "Closed-form isometric shape from a warp and its first derivatives.")
+            "Computes an isometric shape in closed form from a warp and its first derivatives.")

@@ -37,14 +37,16 @@ class BrunetMdh final : public Solver {
   explicit BrunetMdh(Params& p) {
     if (declare_preset(p, Preset::weft) == Preset::author) yield_tension_ = 0.0;
     p.read("tolerance_m", options_.tolerance_m, "m", {1e-12, 1.0},
-           "rms violation of the distances at which the iteration stops");
-    p.read("max_iterations", options_.max_iterations, "", {1, 1000000}, "of the convex solver");
-    p.read("rings", rings_, "edges", {1, 100}, "distances are kept within this neighbourhood");
+           "root mean square violation of the distances at which the iteration stops");
+    p.read("max_iterations", options_.max_iterations, "", {1, 1000000},
+           "maximum number of iterations of the convex solver");
+    p.read("rings", rings_, "edges", {1, 100},
+           "neighbourhood of a vertex within which distances are constrained");
     p.read("yield_tension", yield_tension_, "", {0.0, 1e6},
-           "a distance gives way where it pulls this many times harder than those of a flat sheet "
-           "seen from the front; 0: never");
+           "tension above which a distance constraint yields, relative to the tension of a flat "
+           "surface seen from the front; 0: never");
     p.read("known_radius_m", known_radius_m_, "m", {0.0, 1.0},
-           "radius of known points whose own is negative");
+           "radius of known points whose own radius is negative");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -192,8 +194,8 @@ class BrunetMdh final : public Solver {
     for (const SurfacePoint& point : problem_.points) {
       for (const std::int32_t v : surface_->support(point)) shape.source(v) = 1;
     }
-    for (const KnownSurfacePoint& held : known_) {
-      for (const std::int32_t v : held.vertices) shape.source(v) = 1;
+    for (const KnownSurfacePoint& known : known_) {
+      for (const std::int32_t v : known.vertices) shape.source(v) = 1;
     }
     const double strain = mean(strains(problem_.edges, positions_m.topRows(rays.rows())));
     const ShapeEvidence evidence =
@@ -254,5 +256,6 @@ class BrunetMdh final : public Solver {
 }  // namespace weft::brunet_mdh
 
 using weft::brunet_mdh::BrunetMdh;
-WEFT_PLUGIN(BrunetMdh, "solvers/brunet_mdh", "1.3.0",
-            "Convex maximum-depth reconstruction on sightlines, a start that needs no start.")
+WEFT_PLUGIN(
+    BrunetMdh, "solvers/brunet_mdh", "1.3.0",
+    "Reconstructs the deepest shape on the sightlines by a convex program, without initial guess.")

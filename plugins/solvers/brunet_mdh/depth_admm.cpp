@@ -51,14 +51,14 @@ void DepthAdmm::load(const Points3View& rays, std::span<const DepthAnchor> ancho
   rays_.resize(3 * points);
   pull_.resize(points);
   depths_.assign(points, 1.0);
-  held_.assign(at(count_), 0.0);
+  anchor_pull_.assign(at(count_), 0.0);
   for (int i = 0; i < count_; ++i) {
     for (int k = 0; k < 3; ++k) rays_[at(3 * i + k)] = rays(i, k);
   }
   int point = count_;
   for (const DepthAnchor& anchor : anchors) {
     Eigen::Vector3d::Map(&rays_[3 * at(point)]) = anchor.centre_m / unit_m_;
-    held_[at(anchor.point)] += ray(anchor.point).dot(ray(point));
+    anchor_pull_[at(anchor.point)] += ray(anchor.point).dot(ray(point));
     edges_.push_back({anchor.point, point++, anchor.reach_m / unit_m_});
   }
   z_.resize(3 * edges_.size());
@@ -107,7 +107,7 @@ void DepthAdmm::solve_depths(double rho) {
   const double* values = lower.valuePtr();
   const auto& diagonal = factor_.vectorD();
   double* x = permuted_.data();
-  for (int i = 0; i < count_; ++i) x[order[i]] = pull_[at(i)] + held_[at(i)] + 1.0 / rho;
+  for (int i = 0; i < count_; ++i) x[order[i]] = pull_[at(i)] + anchor_pull_[at(i)] + 1.0 / rho;
   for (int c = 0; c < count_; ++c) {
     const double pivot = x[c];
     for (int k = starts[c]; k < starts[c + 1]; ++k) {

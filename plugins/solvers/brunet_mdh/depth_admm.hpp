@@ -80,12 +80,12 @@ class DepthAdmm {
   std::vector<Edge> edges_;  ///< of the graph, then anchors
   Eigen::SparseMatrix<double> normal_;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
-  std::vector<double> rays_;    ///< 3 numbers a point; then the centres of the anchors
-  std::vector<double> z_, y_;   ///< 3 numbers an edge
-  std::vector<double> pull_;    ///< [n] A'(z - y); what follows belongs to anchors and is not read
-  std::vector<double> held_;    ///< [n] what the centres of anchors add to it
-  std::vector<double> depths_;  ///< [n]; then 1 for each anchor
-  std::vector<double> permuted_;  ///< [n] buffer
+  std::vector<double> rays_;   ///< 3 numbers a point; then the centres of the anchors
+  std::vector<double> z_, y_;  ///< 3 numbers an edge
+  std::vector<double> pull_;   ///< [n] A'(z - y); what follows belongs to anchors and is not read
+  std::vector<double> anchor_pull_;  ///< [n] what the centres of anchors add to it
+  std::vector<double> depths_;       ///< [n]; then 1 for each anchor
+  std::vector<double> permuted_;     ///< [n] buffer
 };
 
 }  // namespace weft::brunet_mdh

@@ -58,11 +58,11 @@ std::vector<DepthAnchor> anchors_of(const DepthProblem& problem,
                                     std::span<const KnownSurfacePoint> known, const Points3& rays) {
   std::vector<DepthAnchor> anchors;
   for (const Tie& tie : problem.ties) {
-    const KnownSurfacePoint& held = known[tie.known];
+    const KnownSurfacePoint& anchor = known[tie.known];
     const Eigen::Vector3d ray = rays.row(tie.point).transpose();
-    const double beside_m = (held.centre_m - held.centre_m.dot(ray) * ray).norm();
-    const double reach_m = std::max(tie.length_m + held.radius_m, kReachable * beside_m);
-    anchors.push_back({tie.point, held.centre_m, std::max(reach_m, kLeastReach_m)});
+    const double beside_m = (anchor.centre_m - anchor.centre_m.dot(ray) * ray).norm();
+    const double reach_m = std::max(tie.length_m + anchor.radius_m, kReachable * beside_m);
+    anchors.push_back({tie.point, anchor.centre_m, std::max(reach_m, kLeastReach_m)});
   }
   return anchors;
 }

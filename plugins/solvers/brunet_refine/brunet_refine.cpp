@@ -33,22 +33,24 @@ class BrunetRefine final : public Solver {
       .reads = "sightlines known_points previous.shape"};
 
   explicit BrunetRefine(Params& p) {
-    p.component("start", start_, "the solver whose shape is refined");
+    p.formerly("start").component("initial_guess", start_,
+                                  "solver of the initial shape that is refined");
     p.read("control", surface_options_.control, "", {4, 40},
-           "control points of the surface along u and along v");
+           "number of control points of the surface along u and along v");
     p.read("places_per_cell", surface_options_.places_per_cell, "", {1, 10},
-           "lengths are kept at so many places along each side of a knot cell");
+           "number of points along each side of a knot cell at which lengths are constrained");
     p.read("match_noise_px", fit_options_.match_noise_px, "px", {1e-3, 100.0},
-           "standard deviation, along u and v, of a match");
+           "standard deviation of a match along u and v");
     p.read("outlier_px", fit_options_.outlier_px, "px", {1e-3, 1e6},
-           "distance from which the cost of a match grows linearly");
+           "distance beyond which the cost of a match grows linearly");
     p.read("strain", surface_options_.strain, "", {1e-6, 1.0},
-           "how far the surface may stretch: standard deviation");
+           "standard deviation of the relative length error of the surface");
     p.read("smoothing", surface_options_.smoothing, "", {0.0, 1e6},
            "weight of the bending energy, the integral of the squared second derivatives");
-    p.read("max_iterations", fit_options_.max_iterations, "", {1, 100000}, "of the refinement");
+    p.read("max_iterations", fit_options_.max_iterations, "", {1, 100000},
+           "maximum number of refinement iterations");
     p.read("tolerance", fit_options_.tolerance, "", {1e-15, 0.1},
-           "relative decrease of the energy at which to stop");
+           "relative decrease of the energy at which the refinement stops");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -138,4 +140,4 @@ class BrunetRefine final : public Solver {
 
 using weft::brunet_refine::BrunetRefine;
 WEFT_PLUGIN(BrunetRefine, "solvers/brunet_refine", "1.0.0",
-            "Isometric spline surface on the matches by nonlinear least squares, from a start.")
+            "Fits an isometric spline surface to the matches by nonlinear least squares.")

@@ -42,19 +42,20 @@ class ChhatkuliStable final : public Solver {
   explicit ChhatkuliStable(Params& p) {
     p.choice("variant", variant_,
              {{"cvpr2014", Variant::cvpr2014}, {"tpami2017", Variant::tpami2017}},
-             "which paper's: cvpr2014 integrates the gradient of the distance over the template, "
-             "tpami2017 normals over the image");
+             "published method; cvpr2014: integration of the gradient of the distance over the "
+             "template; tpami2017: integration of normals over the image");
     grid_.declare(p);
-    p.read(
-        "reference_smoothing", stiffness_.reference, "", {1e-9, 1e6},
-        "of what tells the sign of gradients and normals: bending energy in areas of the domain");
+    p.read("reference_smoothing", stiffness_.reference, "", {1e-9, 1e6},
+           "bending weight of the spline that determines the signs of gradients and normals, in "
+           "areas of the domain");
     p.read("integration_smoothing", stiffness_.integration, "", {1e-12, 1e6},
-           "of what is integrated: bending energy against squared slopes");
+           "bending weight of the integrated function, relative to squared slopes");
     p.read("image_control", image_control_, "", {4, 60},
-           "for tpami2017: control points of the depth over the image, along both sides");
-    p.read("control", control_, "", {4, 40}, "control points of the surface along u and along v");
+           "number of control points of the depth along each side of the image; for tpami2017");
+    p.read("control", control_, "", {4, 40},
+           "number of control points of the surface along u and along v");
     p.read("smoothing", smoothing_, "", {1e-6, 1e6},
-           "of the surface: bending energy in areas of a knot cell");
+           "weight of the surface's bending energy, in areas of a knot cell");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -119,4 +120,4 @@ class ChhatkuliStable final : public Solver {
 
 using weft::chhatkuli_stable::ChhatkuliStable;
 WEFT_PLUGIN(ChhatkuliStable, "solvers/chhatkuli_stable", "1.1.0",
-            "Closed-form isometric shape, integrated from gradients or normals.")
+            "Integrates an isometric shape in closed form from gradients or normals.")

@@ -14,7 +14,7 @@ namespace weft::coarse_to_fine {
 namespace {
 
 // Told of every shape by the rule for all solvers, of the fine one anew.
-constexpr std::array<std::string_view, 3> kToldAnew{"diag.agreeing_matches", "diag.kept_matches",
+constexpr std::array<std::string_view, 3> kReplaced{"diag.agreeing_matches", "diag.kept_matches",
                                                     "diag.agreeing_coverage"};
 
 /// Asks another solver for the shape of a coarser mesh and carries it to the vertices of the fine
@@ -29,15 +29,16 @@ class CoarseToFine final : public Solver {
       .reads = "sightlines correspondences warp image visibility known_points previous.shape"};
 
   explicit CoarseToFine(Params& p) {
-    p.component("of", of_, "the solver that finds the shape of the coarse mesh");
+    p.formerly("of").component("solver", of_, "solver of the coarse mesh");
     p.read("vertices", vertices_, "", {10, 1000000},
-           "of the coarse mesh, about; a template that has no more is solved as it is");
+           "approximate number of vertices of the coarse mesh; a template that has no more is "
+           "solved directly");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
     if (in.templ.vertices_m.rows() <= vertices_) {
       auto shape = of_.solve(in);
-      if (shape) shape->diag = untold(shape->diag);
+      if (shape) shape->diag = without_replaced(shape->diag);
       return shape;
     }
     if (auto ready = prepare_mesh(in.templ); !ready) return ready.error();
@@ -47,7 +48,7 @@ class CoarseToFine final : public Solver {
     if (!coarse) return coarse.error();
     auto fine = problem_.on_fine_mesh(*coarse);
     if (!fine) return fine.error();
-    fine->diag = untold(coarse->diag);
+    fine->diag = without_replaced(coarse->diag);
     fine->diag.set("coarse_vertices", static_cast<double>(problem_.mesh().count()));
     if (const std::string& doubt = coarse.degenerate_reason(); !doubt.empty()) {
       return degenerate(*std::move(fine), doubt);
@@ -56,11 +57,11 @@ class CoarseToFine final : public Solver {
   }
 
  private:
-  static Diagnostics untold(const Diagnostics& told) {
-    Diagnostics left = told;
+  static Diagnostics without_replaced(const Diagnostics& diagnostics) {
+    Diagnostics left = diagnostics;
     std::erase_if(left.entries(), [](const NamedArray& entry) {
       const std::string_view name = entry.name;
-      return std::find(kToldAnew.begin(), kToldAnew.end(), name) != kToldAnew.end();
+      return std::find(kReplaced.begin(), kReplaced.end(), name) != kReplaced.end();
     });
     return left;
   }
@@ -85,4 +86,4 @@ class CoarseToFine final : public Solver {
 
 using weft::coarse_to_fine::CoarseToFine;
 WEFT_PLUGIN(CoarseToFine, "solvers/coarse_to_fine", "1.0.0",
-            "Carries the shape that another solver finds on a coarser mesh to the fine one.")
+            "Solves a coarser mesh with another solver and interpolates the fine one.")

@@ -33,7 +33,7 @@ constexpr int kSureMatches = 30, kSureSamples = 100;
 struct Candidate {
   Start start = Start::previous;
   Points3 vertices_m = Points3(0, 3);
-  std::vector<std::uint8_t> held;  ///< [V] 1 for vertices that something seen holds
+  std::vector<std::uint8_t> observed;  ///< [V] 1 for vertices that something seen holds
   Fit fit;
   bool shown_by_matches = false, shown_by_texture = false;
 
@@ -55,10 +55,11 @@ class CollinsIntegrated final : public Solver {
     p.read("match_noise_px", match_noise_px_, "px", {1e-3, 100.0},
            "standard deviation of a match without a covariance");
     p.read("min_matches", min_matches_, "", {4, 1000000},
-           "with fewer the object is not found anew");
+           "minimum number of matches for a new initialization of the object");
     p.read("lost_zncc", lost_zncc_, "", {0.0, 1.0},
-           "median correlation above which the texture shows a shape");
-    p.component("start", start_, "what finds the object anew");
+           "median normalised cross-correlation above which the texture confirms a shape");
+    p.formerly("start").component("initial_guess", start_,
+                                  "solver that initializes the object again after a loss");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -90,23 +91,29 @@ class CollinsIntegrated final : public Solver {
   static FitOptions read_options(Params& p) {
     FitOptions options;
     options.scales.previous_m = 0.05;
-    p.read("samples", options.samples, "", {16, 20000}, "of the texture, about");
-    p.read("levels", options.levels, "", {1, 5}, "of the image, each half as large as the last");
-    p.read("rounds", options.rounds, "", {1, 20}, "looks at each level");
+    p.read("samples", options.samples, "", {16, 20000},
+           "approximate number of samples of the texture");
+    p.read("levels", options.levels, "", {1, 5},
+           "number of image pyramid levels, each half as large as the previous one");
+    p.read("rounds", options.rounds, "", {1, 20},
+           "number of searches for the samples per pyramid level");
     p.read("reach_px", options.reach_px, "px of the level", {1, LineSearch::kMostReach},
-           "how far a sample is looked for");
-    p.read("min_zncc", options.min_zncc, "", {0.0, 1.0}, "correlation from which a sample counts");
+           "search distance of a sample");
+    p.read("min_zncc", options.min_zncc, "", {0.0, 1.0},
+           "minimum normalised cross-correlation of a sample that counts");
     p.read("texture_noise_px", options.texture_noise_px, "px of the level", {1e-3, 100.0},
            "standard deviation of a sample along its normal");
     p.read("outlier", options.outlier, "", {1.0, 1e6},
-           "standard deviations beyond which nothing counts");
+           "residual, in standard deviations, beyond which a measurement has no weight");
     p.read("strain", options.scales.strain, "", {1e-5, 1.0},
-           "standard deviation of an edge from its length");
+           "standard deviation of the relative edge-length error");
     p.read("bend_rad", options.scales.bend_rad, "rad", {1e-3, 100.0},
-           "standard deviation of a square's bend from that at rest");
-    p.read("previous_m", options.scales.previous_m, "m", {0.0, 100.0},
-           "standard deviation of a vertex from the previous shape; 0: any");
-    p.read("max_iterations", options.max_iterations, "", {1, 1000}, "of a round");
+           "standard deviation of the bend of a mesh square, relative to its bend at rest");
+    p.read(
+        "previous_m", options.scales.previous_m, "m", {0.0, 100.0},
+        "standard deviation of the distance of a vertex from the previous shape; 0: no such term");
+    p.read("max_iterations", options.max_iterations, "", {1, 1000},
+           "maximum number of iterations per round");
     return options;
   }
 
@@ -190,7 +197,7 @@ class CollinsIntegrated final : public Solver {
   void run(bool with_texture, const Points3& start_m, Candidate& candidate) {
     candidate.vertices_m = start_m;
     candidate.fit = fit_.run(with_texture, frame_, candidate.vertices_m);
-    candidate.held = fit_.held();
+    candidate.observed = fit_.observed();
     const Fit& fit = candidate.fit;
     const bool is_surface = candidate.vertices_m.allFinite() &&
                             candidate.vertices_m.col(2).minCoeff() > 0.0 &&
@@ -225,7 +232,7 @@ class CollinsIntegrated final : public Solver {
     Shape shape;
     shape.vertices_m = make_array<double>(best.vertices_m);
     shape.source = Array<std::uint8_t>({mesh_.vertex_count()});
-    std::copy(best.held.begin(), best.held.end(), shape.source.data());
+    std::copy(best.observed.begin(), best.observed.end(), shape.source.data());
     const ShapeEvidence evidence =
         shape_evidence(in.templ, in.camera, best.vertices_m, in.correspondences, {});
     shape.confidence = confidence(best, evidence) * confidence_of_filters(in.correspondences);
@@ -295,4 +302,4 @@ class CollinsIntegrated final : public Solver {
 using weft::collins_integrated::CollinsIntegrated;
 WEFT_PLUGIN(
     CollinsIntegrated, "solvers/collins_integrated", "1.0.0",
-    "Follows a shape by matches and texture in one energy, with lengths, bends and the past.")
+    "Tracks a shape by matches, texture, lengths, bends and the previous shape in one energy.")

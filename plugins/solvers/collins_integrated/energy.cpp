@@ -86,13 +86,13 @@ double Energy::stretched(double strain, const Points3& vertices_m, const Derivat
   for (std::size_t e = 0; e < mesh_->edges.size(); ++e) {
     worked_in_loop(static_cast<std::int64_t>(e), 5);
     const Edge& edge = mesh_->edges[e];
-    const Eigen::Vector3d apart = (vertices_m.row(edge.j) - vertices_m.row(edge.i)).transpose();
-    const double length_m = apart.norm(), per_m = 1.0 / (strain * edge.rest_m);
+    const Eigen::Vector3d offset_m = (vertices_m.row(edge.j) - vertices_m.row(edge.i)).transpose();
+    const double length_m = offset_m.norm(), per_m = 1.0 / (strain * edge.rest_m);
     const double residual = (length_m - edge.rest_m) * per_m;
     energy += residual * residual;
     if constexpr (wants_derivatives) {
       if (!(length_m > 1e-6 * edge.rest_m)) continue;
-      const Eigen::Vector3d unit = apart / length_m;
+      const Eigen::Vector3d unit = offset_m / length_m;
       const Eigen::RowVector3d slope = residual * per_m * unit.transpose();
       to.gradient->row(edge.j) += slope;
       to.gradient->row(edge.i) -= slope;

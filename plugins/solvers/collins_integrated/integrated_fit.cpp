@@ -114,10 +114,10 @@ bool IntegratedFit::smooth_once(const FrameData& frame, Fit& fit, Points3& verti
 /// From where the parts that are seen lead the others.
 void IntegratedFit::search_again(FrameData& frame, Fit& fit, Points3& vertices_m) {
   const Points3 first_m = vertices_m;
-  const std::vector<std::uint8_t> first_held = held_;
+  const std::vector<std::uint8_t> first_observed = observed_;
   const Fit first = fit;
   const auto filled = solvers::fill_with_least_bending(mesh_->rest_m, mesh_->bending,
-                                                       mesh_->mean_edge_m, held_, vertices_m);
+                                                       mesh_->mean_edge_m, observed_, vertices_m);
   const bool is_filled = filled && filled->allFinite() && filled->col(2).minCoeff() > 0.0;
   if (is_filled) vertices_m = *filled;
   settle(frame, soft_scales(), kApproach, fit, vertices_m);
@@ -126,7 +126,7 @@ void IntegratedFit::search_again(FrameData& frame, Fit& fit, Points3& vertices_m
   if (fit.support() > first.support()) return;
   const int iterations = fit.iterations;
   vertices_m = first_m;
-  held_ = first_held;
+  observed_ = first_observed;
   fit = first;
   fit.iterations = iterations;
 }
@@ -152,14 +152,14 @@ void IntegratedFit::look(int level, const Points3& vertices_m, FrameData& frame,
 }
 
 void IntegratedFit::measure(const FrameData& frame, const Points3& vertices_m, Fit& fit) {
-  held_.assign(to_index(mesh_->vertex_count()), 0);
+  observed_.assign(to_index(mesh_->vertex_count()), 0);
   compare(frame, vertices_m, fit);
   measure_matches(frame, vertices_m, fit);
   measure_mesh(vertices_m, fit);
 }
 
 void IntegratedFit::hold(std::int32_t face) {
-  for (Eigen::Index k = 0; k < 3; ++k) held_[to_index(mesh_->faces(face, k))] = 1;
+  for (Eigen::Index k = 0; k < 3; ++k) observed_[to_index(mesh_->faces(face, k))] = 1;
 }
 
 /// Compares image and texture where the shape has the samples.

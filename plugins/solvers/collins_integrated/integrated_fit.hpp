@@ -71,7 +71,7 @@ class IntegratedFit {
 
   /// [V] 1 for vertices of faces with a match or a sample that speaks for the shape of the last
   /// run.
-  const std::vector<std::uint8_t>& held() const { return held_; }
+  const std::vector<std::uint8_t>& observed() const { return observed_; }
 
  private:
   Scales exact_scales() const;
@@ -96,7 +96,7 @@ class IntegratedFit {
   Minimiser minimiser_;
   Points3 other_m_;  ///< [V,3]
   std::vector<double> values_;
-  std::vector<std::uint8_t> held_;  ///< [V]
+  std::vector<std::uint8_t> observed_;  ///< [V]
 };
 
 }  // namespace weft::collins_integrated

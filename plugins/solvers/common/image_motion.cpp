@@ -11,19 +11,19 @@ ImageMotion image_motion(const Points2View& measured_px, const Points2View& proj
   Eigen::Array2d low = Eigen::Array2d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Array2d high = -low;
   Eigen::Vector2d moved = Eigen::Vector2d::Zero();
-  double apart_px = 0.0;
+  double distance_px = 0.0;
   for (Eigen::Index i = 0; i < measured_px.rows(); ++i) {
     const Eigen::Vector2d measured = measured_px.row(i).transpose();
     const Eigen::Vector2d gap = measured - projected_px.row(i).transpose();
     moved += gap;
-    apart_px += gap.norm();
+    distance_px += gap.norm();
     low = low.min(measured.array());
     high = high.max(measured.array());
   }
   const auto count = static_cast<double>(measured_px.rows());
   const double moved_px = moved.norm() / count;
   return {std::isfinite(moved_px) ? moved_px : std::numeric_limits<double>::infinity(),
-          apart_px / count, (high - low).matrix().norm()};
+          distance_px / count, (high - low).matrix().norm()};
 }
 
 Points3 depth_mirrored(const Points3View& vertices_m) {

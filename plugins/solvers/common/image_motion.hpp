@@ -9,7 +9,7 @@ namespace weft::solvers {
 struct ImageMotion {
   double moved_px = 0.0;  ///< [] px, between the means of measured and projected points; infinite
                           ///< if one of them is not in front of the camera
-  double apart_px = 0.0;  ///< [] px, mean distance between measured and projected points
+  double distance_px = 0.0;  ///< [] px, mean distance between measured and projected points
   double diagonal_px = 0.0;  ///< [] px, of the bounding box of the measured points
 };
 

@@ -39,9 +39,9 @@ int make_consistent(const RestMesh& rest, std::vector<KnownSurfacePoint>& sphere
   int pairs = 0;
   for (std::size_t a = 0; a < spheres.size(); ++a) {
     for (std::size_t b = a + 1; b < spheres.size(); ++b) {
-      const double apart_m = (spheres[a].centre_m - spheres[b].centre_m).norm();
+      const double distance_m = (spheres[a].centre_m - spheres[b].centre_m).norm();
       const double reach_m = kAllowedStretch * surface_length_m(rest, spheres[a], spheres[b]);
-      const double excess_m = apart_m - reach_m - spheres[a].radius_m - spheres[b].radius_m;
+      const double excess_m = distance_m - reach_m - spheres[a].radius_m - spheres[b].radius_m;
       if (!(excess_m > 0.0)) continue;
       ++pairs;
       grown_m[a] = std::max(grown_m[a], spheres[a].radius_m + 0.5 * excess_m);

@@ -12,12 +12,12 @@ namespace {
 constexpr double kRidge = 1e-6;
 
 /// The held vertices alone.
-Points3 chosen_rows(const Points3View& all, const std::vector<std::uint8_t>& held,
+Points3 chosen_rows(const Points3View& all, const std::vector<std::uint8_t>& fixed,
                     Eigen::Index count) {
   Points3 chosen(count, 3);
   Eigen::Index next = 0;
   for (Eigen::Index v = 0; v < all.rows(); ++v) {
-    if (held[to_index(v)] != 0) chosen.row(next++) = all.row(v);
+    if (fixed[to_index(v)] != 0) chosen.row(next++) = all.row(v);
   }
   return chosen;
 }
@@ -51,18 +51,18 @@ Points3 free_moves(const std::vector<BendingHinge>& hinges, const std::vector<in
 
 Result<Points3> fill_with_least_bending(const Points3View& rest_m,
                                         const std::vector<BendingHinge>& hinges, double mean_edge_m,
-                                        const std::vector<std::uint8_t>& held,
+                                        const std::vector<std::uint8_t>& fixed,
                                         const Points3View& vertices_m) {
-  std::vector<int> unknown(held.size(), -1);
+  std::vector<int> unknown(fixed.size(), -1);
   int free_count = 0;
-  for (std::size_t v = 0; v < held.size(); ++v) {
-    if (held[v] == 0) unknown[v] = free_count++;
+  for (std::size_t v = 0; v < fixed.size(); ++v) {
+    if (fixed[v] == 0) unknown[v] = free_count++;
   }
   Points3 filled = vertices_m;
   if (free_count == 0) return filled;
-  const Eigen::Index held_count = vertices_m.rows() - free_count;
-  const auto aligned = align_points(chosen_rows(rest_m, held, held_count),
-                                    chosen_rows(vertices_m, held, held_count));
+  const Eigen::Index fixed_count = vertices_m.rows() - free_count;
+  const auto aligned = align_points(chosen_rows(rest_m, fixed, fixed_count),
+                                    chosen_rows(vertices_m, fixed, fixed_count));
   if (!aligned) return no_result("what is seen does not say where the rest of the surface is");
   const Points3 rigid_m = transform_points(*aligned, rest_m);
   const Points3 moved = vertices_m - rigid_m;

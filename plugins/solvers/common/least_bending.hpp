@@ -18,7 +18,7 @@ namespace weft::solvers {
 /// some on a line.
 Result<Points3> fill_with_least_bending(const Points3View& rest_m,
                                         const std::vector<BendingHinge>& hinges, double mean_edge_m,
-                                        const std::vector<std::uint8_t>& held,
+                                        const std::vector<std::uint8_t>& fixed,
                                         const Points3View& vertices_m);
 
 }  // namespace weft::solvers

@@ -34,7 +34,7 @@ GridNeighbours::GridNeighbours(const std::vector<WarpPlace>& places) : places_(p
     columns_ = std::max(columns_, place.i + 1);
     rows_ = std::max(rows_, place.j + 1);
   }
-  at_.assign(to_index(columns_) * to_index(rows_), kNobody);
+  at_.assign(to_index(columns_) * to_index(rows_), kNoVertex);
   for (std::size_t p = 0; p < places.size(); ++p) at_[cell(places[p].i, places[p].j)] = p;
 }
 

@@ -23,12 +23,12 @@ class GridNeighbours {
     for (const auto& [di, dj] : kSteps) {
       const int i = places_[place].i + di, j = places_[place].j + dj;
       if (i < 0 || j < 0 || i >= columns_ || j >= rows_) continue;
-      if (at_[cell(i, j)] != kNobody) visit(at_[cell(i, j)]);
+      if (at_[cell(i, j)] != kNoVertex) visit(at_[cell(i, j)]);
     }
   }
 
  private:
-  static constexpr std::size_t kNobody = static_cast<std::size_t>(-1);
+  static constexpr std::size_t kNoVertex = static_cast<std::size_t>(-1);
 
   std::size_t cell(int i, int j) const { return to_index(i) * to_index(rows_) + to_index(j); }
 

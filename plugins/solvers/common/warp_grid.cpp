@@ -42,10 +42,12 @@ IsometricReading isometric_reading(const std::vector<WarpPlace>& places) {
 }
 
 void WarpGrid::declare(Params& p) {
-  p.read("grid", grid_, "", {4, 200}, "the warp is read at so many places along u and along v");
+  p.read("grid", grid_, "", {4, 200},
+         "number of points along u and along v at which the warp is evaluated");
   p.read("reach", reach_, "", {0.001, 10.0},
-         "places further than this part of the template's diagonal from any match are not used");
-  p.component("warp", warp_, "the warp that is fitted to the kept matches");
+         "maximum distance of an evaluation point from the nearest match, relative to the "
+         "template's diagonal");
+  p.component("warp", warp_, "warp that is fitted to the kept matches");
 }
 
 Result<WarpReading> WarpGrid::read(const SolverInput& in) {

@@ -41,15 +41,16 @@ class FamouriLocal final : public Solver {
 
   explicit FamouriLocal(Params& p) {
     p.read("neighbours", depth_.neighbours, "", {4, 100},
-           "matches that the local map around a match is fitted to, at most, with its own");
+           "maximum number of matches in the fit of a local map, including its own match");
     p.read("reach", depth_.reach, "", {0.001, 10.0},
-           "how far neighbours may be from a match, in parts of the template's diagonal");
+           "maximum distance of a neighbour from its match, relative to the template's diagonal");
     p.read("bend_rad", depth_.bend_rad, "rad", {0.0, 1000.0},
-           "bend along the template's diagonal that local maps expect; 0: they are affine");
+           "expected bend of the local maps along the template's diagonal; 0: affine maps");
     p.read("stiffness", fit_.stiffness, "", {1e-6, 1e6},
-           "of the mesh: weight of its squared curvature, integrated over the area");
-    p.read("mesh_error_px", fit_.mesh_error_px, "px", {0.001, 1000.0},
-           "how far matches may be off the mesh, beside their noise: standard deviation");
+           "weight of the squared curvature of the mesh, integrated over its area");
+    p.read(
+        "mesh_error_px", fit_.mesh_error_px, "px", {0.001, 1000.0},
+        "standard deviation of the distance of matches from the mesh, in addition to match noise");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -128,5 +129,6 @@ class FamouriLocal final : public Solver {
 }  // namespace weft::famouri_local
 
 using weft::famouri_local::FamouriLocal;
-WEFT_PLUGIN(FamouriLocal, "solvers/famouri_local", "1.1.0",
-            "Depth of each match from its nearest neighbours, then a mesh through the points.")
+WEFT_PLUGIN(
+    FamouriLocal, "solvers/famouri_local", "1.1.0",
+    "Computes the depth of each match from its nearest neighbours and fits a mesh to the points.")

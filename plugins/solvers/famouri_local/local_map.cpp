@@ -46,8 +46,8 @@ double LocalMapFit::usual_distance_m(std::span<const MapSample> samples) {
     scratch_.push_back(sample.offset_m.norm());
   }
   const double half = 0.5 * spread_m2.trace();
-  const double apart = std::hypot(0.5 * (spread_m2(0, 0) - spread_m2(1, 1)), spread_m2(0, 1));
-  const bool is_wide = half - apart > kNarrowest * (half + apart);
+  const double half_gap = std::hypot(0.5 * (spread_m2(0, 0) - spread_m2(1, 1)), spread_m2(0, 1));
+  const bool is_wide = half - half_gap > kNarrowest * (half + half_gap);
   return is_wide ? median_in_place(scratch_) : 0.0;
 }
 

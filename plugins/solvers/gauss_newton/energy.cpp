@@ -165,17 +165,17 @@ double Energy::stretched(const std::vector<Arc>& arcs, const std::vector<double>
   for (std::size_t e = 0; e < arcs.size(); ++e) {
     worked_in_loop(static_cast<std::int64_t>(e), 5);
     const Arc& arc = arcs[e];
-    const Eigen::Vector3d apart = (vertices_m.row(arc.j) - vertices_m.row(arc.i)).transpose();
-    const double length_m = apart.norm(), per_m = 1.0 / (strain * arc.rest_m);
+    const Eigen::Vector3d offset_m = (vertices_m.row(arc.j) - vertices_m.row(arc.i)).transpose();
+    const double length_m = offset_m.norm(), per_m = 1.0 / (strain * arc.rest_m);
     const double residual = (length_m - chords_m[e]) * per_m;
     energy += residual * residual;
     if constexpr (wants_derivatives) {
       if (length_m < kTooClose_m) continue;
-      const Eigen::Vector3d slope = per_m / length_m * apart;
+      const Eigen::Vector3d slope = per_m / length_m * offset_m;
       to.gradient->row(arc.j) += residual * slope.transpose();
       to.gradient->row(arc.i) -= residual * slope.transpose();
       // What is longer than it should be resists being moved aside, too.
-      const Eigen::Vector3d unit = apart / length_m;
+      const Eigen::Vector3d unit = offset_m / length_m;
       const double aside = std::max(residual, 0.0) * per_m / length_m;
       add_square(arc,
                  slope * slope.transpose() +
@@ -210,17 +210,17 @@ double Energy::bent(const std::vector<double>& expected_rad, double bend_rad,
 }
 
 template <bool wants_derivatives>
-double Energy::held(const FrameData& frame, double known_m, const Points3& vertices_m,
-                    const Derivatives& to) const {
+double Energy::known_energy(const FrameData& frame, double known_m, const Points3& vertices_m,
+                            const Derivatives& to) const {
   const double per_m = 1.0 / known_m;
   double energy = 0.0;
   for (const KnownSurfacePoint& known : frame.spheres) {
-    const Eigen::Vector3d apart = known.on(vertices_m) - known.centre_m;
-    const double length_m = apart.norm(), beyond_m = length_m - known.radius_m;
+    const Eigen::Vector3d offset_m = known.on(vertices_m) - known.centre_m;
+    const double length_m = offset_m.norm(), beyond_m = length_m - known.radius_m;
     if (!(beyond_m > 0.0)) continue;
     energy += per_m * per_m * beyond_m * beyond_m;
     if constexpr (wants_derivatives) {
-      const Eigen::Vector3d out = apart / length_m;
+      const Eigen::Vector3d out = offset_m / length_m;
       // Along the sphere a point is free, as far as the sphere is flat; at a radius of 0 it is not.
       const double across = beyond_m / length_m;
       const Eigen::Matrix3d block =
@@ -248,7 +248,7 @@ double Energy::sum(const FrameData& frame, const Expectation& expected, const Sc
   if (scales.bend_rad > 0.0) {
     energy += bent<d>(expected.bends_rad, scales.bend_rad, vertices_m, to);
   }
-  energy += held<d>(frame, scales.known_m, vertices_m, to);
+  energy += known_energy<d>(frame, scales.known_m, vertices_m, to);
   if (!(scales.previous_m > 0.0)) return energy;
   const double per_m2 = 1.0 / (scales.previous_m * scales.previous_m);
   energy += per_m2 * (vertices_m - expected.previous_m).squaredNorm();

@@ -156,8 +156,8 @@ class Energy {
   double bent(const std::vector<double>& expected_rad, double bend_rad, const Points3& vertices_m,
               const Derivatives& to);
   template <bool wants_derivatives>
-  double held(const FrameData& frame, double known_m, const Points3& vertices_m,
-              const Derivatives& to) const;
+  double known_energy(const FrameData& frame, double known_m, const Points3& vertices_m,
+                      const Derivatives& to) const;
   template <bool wants_derivatives>
   double sum(const FrameData& frame, const Expectation& expected, const Scales& scales,
              const Points3& vertices_m, const Derivatives& to);

@@ -40,15 +40,15 @@ Result<void> Frame::read(const SolverInput& in, const MeshModel& mesh) {
   if (solvers::lie_on_a_line(data.observations, place_px)) {
     return no_result("the points seen lie on a line of the image, or in one place");
   }
-  held.assign(to_index(mesh.vertex_count()), 0);
+  observed.assign(to_index(mesh.vertex_count()), 0);
   for (const SeenFace& seen : data.faces) {
     for (std::size_t k = 0; k < 3; ++k) {
-      bool is_held = false;
-      for (std::size_t i = seen.first; i < seen.end && !is_held; ++i) {
-        is_held = data.observations[i].weights[k] != 0.0;
+      bool is_observed = false;
+      for (std::size_t i = seen.first; i < seen.end && !is_observed; ++i) {
+        is_observed = data.observations[i].weights[k] != 0.0;
       }
       const std::int32_t v = mesh.faces(seen.face, static_cast<Eigen::Index>(k));
-      if (is_held) held[to_index(v)] = 1;
+      if (is_observed) observed[to_index(v)] = 1;
     }
   }
   if (auto found = find_hidden(in, mesh); !found) return found;
@@ -60,7 +60,7 @@ Result<void> Frame::read(const SolverInput& in, const MeshModel& mesh) {
   data.spheres = *std::move(spheres);
   inconsistent_pairs = solvers::make_consistent(mesh.at_rest(), data.spheres);
   for (const KnownSurfacePoint& known : data.spheres) {
-    for (const std::int32_t v : known.vertices) held[to_index(v)] = 1;
+    for (const std::int32_t v : known.vertices) observed[to_index(v)] = 1;
   }
   return {};
 }
@@ -68,13 +68,13 @@ Result<void> Frame::read(const SolverInput& in, const MeshModel& mesh) {
 Result<void> Frame::find_hidden(const SolverInput& in, const MeshModel& mesh) {
   hidden.clear();
   if (in.visibility && options.continue_hidden_bend) {
-    auto part = solvers::hidden_part(*in.visibility, held, mesh.neighbours);
+    auto part = solvers::hidden_part(*in.visibility, observed, mesh.neighbours);
     if (!part) return part.error();
     hidden = *std::move(part);
-    if (!mesh.is_flat) solvers::add_unmeasured(held, hidden);
+    if (!mesh.is_flat) solvers::add_unmeasured(observed, hidden);
   }
   if (options.continue_uncovered_bend) {
-    solvers::add_uncovered(held, mesh.neighbours, mesh.border, hidden);
+    solvers::add_uncovered(observed, mesh.neighbours, mesh.border, hidden);
   }
   return {};
 }

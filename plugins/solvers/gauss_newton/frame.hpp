@@ -23,7 +23,8 @@ struct FrameOptions {
 struct Frame {
   FrameOptions options;
   FrameData data;
-  std::vector<std::uint8_t> held;  ///< [V] 1 for vertices that an observation or known point holds
+  std::vector<std::uint8_t>
+      observed;  ///< [V] 1 for vertices that an observation or known point holds
   std::vector<std::uint8_t> hidden;  ///< [V] 1 where the bend of the others goes on; or empty
   int inconsistent_pairs = 0;        ///< [] of known points
 

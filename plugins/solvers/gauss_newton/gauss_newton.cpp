@@ -44,46 +44,54 @@ class GaussNewton final : public Solver {
     FrameOptions& frame = frame_.options;
     p.choice("data", frame.seen.data,
              {{"matches", Data::matches}, {"sightlines", Data::sightlines}, {"both", Data::both}},
-             "what counts as seen; matches: where they are wired, else sightlines");
+             "measurements of the data term; matches: the matches if they are connected, else the "
+             "sightlines");
     p.read("match_noise_px", frame.seen.match_noise_px, "px", {1e-3, 100.0},
            "standard deviation, along u and v, of a match without a covariance");
     p.read("covariance_noise_px", frame.seen.covariance_noise_px, "px", {0.0, 100.0},
-           "standard deviation that is added to the covariance of a match that has one");
+           "standard deviation that is added to the covariance of a match");
     p.read("sightline_noise_px", frame.seen.sightline_noise_px, "px", {1e-3, 100.0},
-           "of a sightline of weight 1");
+           "standard deviation of a sightline of weight 1");
     p.read("outlier", search_.scales.trust.scale, "", {0.1, 1e6},
-           "standard deviations at which something seen has a quarter of its weight");
+           "residual, in standard deviations, at which the robust loss reduces the weight to 1/4");
     p.read("strain", search_.scales.strain, "", {1e-5, 1.0},
-           "how far an edge may be from its length: standard deviation");
+           "standard deviation of the relative edge-length error");
     p.read("pair_strain", search_.scales.pair_strain, "", {0.0, 1.0},
-           "the same of the opposite vertices of adjacent faces; 0: as far as they will");
-    p.read("bend_rad", search_.scales.bend_rad, "rad", {0.0, 100.0},
-           "how far a square of the mesh may bend from what is expected; 0: as far as it will");
-    p.read("previous_m", search_.scales.previous_m, "m", {0.0, 100.0},
-           "how far a vertex may be from the previous shape; 0: as far as it will");
+           "standard deviation of the relative distance error of opposite vertices of adjacent "
+           "faces; 0: no such term");
+    p.read(
+        "bend_rad", search_.scales.bend_rad, "rad", {0.0, 100.0},
+        "standard deviation of the bend of a mesh square from the expected bend; 0: no such term");
+    p.read(
+        "previous_m", search_.scales.previous_m, "m", {0.0, 100.0},
+        "standard deviation of the distance of a vertex from the previous shape; 0: no such term");
     p.read("known_radius_m", frame.known_radius_m, "m", {0.0, 1.0},
-           "radius of known points whose own is negative; 0 holds them exactly");
+           "radius of known points whose own radius is negative; 0: exact positions");
     p.read("min_sightlines", frame.min_sightlines, "", {3, 1000000},
-           "with fewer points seen there is no result for the frame");
-    p.read("max_iterations", search_.options.max_iterations, "", {1, 1000000}, "of one start");
+           "minimum number of measured points for a result");
+    p.read("max_iterations", search_.options.max_iterations, "", {1, 1000000},
+           "maximum number of Gauss-Newton iterations per initial guess");
     p.read("tolerance_m", search_.options.tolerance_m, "m", {0.0, 1.0},
-           "rms step at which to stop");
-    p.component("start", start_, "shape from which an object is found without a previous shape");
-    p.read("go_on", goes_on_,
-           "try no other start than the previous shape; for one that an earlier solver of the same "
-           "frame found");
-    p.read("start_smoothing", start_smoothing_, "squared mean edge lengths", {0.0, 1e6},
-           "how strongly the bends of that shape are smoothed; 0: not at all");
+           "root mean square step of the vertices at which the iteration stops");
+    p.formerly("start").component("initial_guess", start_,
+                                  "solver of the initial guess when there is no previous shape");
+    p.formerly("go_on").read(
+        "previous_only", goes_on_,
+        "previous shape as the only initial guess; for a shape from an earlier solver of the "
+        "same frame");
+    p.formerly("start_smoothing")
+        .read("initial_guess_smoothing", start_smoothing_, "squared mean edge lengths", {0.0, 1e6},
+              "strength of the bend smoothing of the initial guess; 0: none");
     p.read(
         "continue_hidden_bend", frame.continue_hidden_bend,
-        "go on with the bend of the seen part where a visibility says that the surface is hidden");
+        "continuation of the visible part's bend where a visibility marks the surface as hidden");
     p.read("continue_uncovered_bend", frame.continue_uncovered_bend,
-           "go on with it too where the surface may be seen, but nothing was recognised up to its "
-           "border");
+           "continuation of the bend also where the surface may be visible but has no matches up "
+           "to its border");
     p.read("scale_noise", scale_noise_, "", {0.0, 1.0},
-           "how exactly the template's size and the focal length are known: relative standard "
-           "deviation, for the covariance");
-    p.read("covariance", wants_covariance_, "say how uncertain each vertex is");
+           "relative standard deviation of the template's size and of the focal length, for the "
+           "covariance");
+    p.read("covariance", wants_covariance_, "covariance of each vertex in the result");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -204,7 +212,7 @@ class GaussNewton final : public Solver {
     shape.confidence = confidence(best.fit, evidence) * confidence_of_filters(in.correspondences) *
                        (1.0 - rival.probability);
     shape.source = Array<std::uint8_t>({mesh_.vertex_count()});
-    std::copy(frame_.held.begin(), frame_.held.end(), shape.source.data());
+    std::copy(frame_.observed.begin(), frame_.observed.end(), shape.source.data());
     if (wants_covariance_) {
       add_covariance(best, shape);
       if (shape.covariance_m2.present()) add_camera_noise(in.camera, best, shape);
@@ -236,8 +244,8 @@ class GaussNewton final : public Solver {
     for (std::size_t k = 0; k < tried_; ++k) {
       const Candidate& other = candidates_[k];
       if (&other == &best || !other.usable() || other.fit.residual_px >= kLostResidualPx) continue;
-      const double apart_m = (other.vertices_m - best.vertices_m).rowwise().norm().mean();
-      if (apart_m <= kOther * mesh_.diagonal_m()) continue;
+      const double distance_m = (other.vertices_m - best.vertices_m).rowwise().norm().mean();
+      if (distance_m <= kOther * mesh_.diagonal_m()) continue;
       const double logit = 0.5 * (other.result.energy - best.result.energy) / (noise * noise);
       const double probability = logistic(-logit);
       if (probability > rival.probability) rival = {&other, probability};
@@ -246,12 +254,12 @@ class GaussNewton final : public Solver {
   }
 
   static void add_rival(const Candidate& best, const Rival& rival, Shape& shape) {
-    const Points3 apart_m = rival.shape->vertices_m - best.vertices_m;
-    for (Eigen::Index v = 0; v < apart_m.rows(); ++v) {
+    const Points3 distance_m = rival.shape->vertices_m - best.vertices_m;
+    for (Eigen::Index v = 0; v < distance_m.rows(); ++v) {
       for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
           shape.covariance_m2.row(v)[3 * i + j] +=
-              rival.probability * apart_m(v, i) * apart_m(v, j);
+              rival.probability * distance_m(v, i) * distance_m(v, j);
         }
       }
     }
@@ -271,11 +279,11 @@ class GaussNewton final : public Solver {
     search_.energy().follow(best.vertices_m);
     const HoldingNoise noise = holding_noise(
         {best.fit.residual, best.fit.coherence, best.fit.strain, scale_noise_,
-         frame_.data.observations.size(), frame_.held.size(),
-         covariance_.curvature_per_m(best.vertices_m, frame_.held), mesh_.diagonal_m()});
+         frame_.data.observations.size(), frame_.observed.size(),
+         covariance_.curvature_per_m(best.vertices_m, frame_.observed), mesh_.diagonal_m()});
     shape.covariance_m2 = Array<double>({mesh_.vertex_count(), 3, 3});
     const bool known =
-        covariance_.compute(frame_.data, search_.scales, frame_.held, best.vertices_m, noise,
+        covariance_.compute(frame_.data, search_.scales, frame_.observed, best.vertices_m, noise,
                             search_.energy(), search_.factor(), shape.covariance_m2.data());
     if (!known) shape.covariance_m2 = {};
   }
@@ -320,5 +328,6 @@ class GaussNewton final : public Solver {
 }  // namespace weft::gauss_newton
 
 using weft::gauss_newton::GaussNewton;
-WEFT_PLUGIN(GaussNewton, "solvers/gauss_newton", "1.1.0",
-            "Shape from matches by robust least squares, keeping lengths along the surface.")
+WEFT_PLUGIN(
+    GaussNewton, "solvers/gauss_newton", "1.1.0",
+    "Fits a shape to matches by robust least squares that preserves lengths on the surface.")

@@ -20,10 +20,10 @@ constexpr std::size_t kMostSeenBends = 256;
 /// Brings known points into their spheres, by the least motion of their corners.
 void bring_into_spheres(const std::vector<KnownSurfacePoint>& spheres, Points3& vertices_m) {
   for (const KnownSurfacePoint& known : spheres) {
-    const Eigen::Vector3d apart_m = known.on(vertices_m) - known.centre_m;
-    const double length_m = apart_m.norm();
+    const Eigen::Vector3d distance_m = known.on(vertices_m) - known.centre_m;
+    const double length_m = distance_m.norm();
     if (!(length_m > known.radius_m)) continue;
-    const Eigen::Vector3d lacks_m = (known.radius_m / length_m - 1.0) * apart_m;
+    const Eigen::Vector3d lacks_m = (known.radius_m / length_m - 1.0) * distance_m;
     if (known.vertex >= 0) {
       vertices_m.row(known.vertex) += lacks_m.transpose();
       continue;

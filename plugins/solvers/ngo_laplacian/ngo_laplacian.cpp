@@ -50,21 +50,25 @@ class NgoLaplacian final : public Solver {
     front_.declare(p, preset);
     p.choice("lengths", options_.lengths,
              {{"at_most", Lengths::at_most}, {"equal", Lengths::equal}},
-             "what an edge may be, compared with its length at rest");
-    p.choice("start", start_, {{"convex", Start::convex}, {"linear", Start::linear}},
-             "initial guess of the constrained steps");
+             "constraint on the edge lengths; at_most: at most the length at rest; equal: the "
+             "length at rest");
+    p.formerly("start").choice(
+        "initial_guess", start_, {{"convex", Start::convex}, {"linear", Start::linear}},
+        "initial guess of the constrained steps; convex: convex fit; linear: linear shape");
     p.read("try_previous", try_previous_,
-           "begin also from the previous shape, and keep the result of least energy");
+           "previous shape as an additional initial guess; the result of least energy is kept");
     p.read("fit_stiffness", options_.stiffness, "", {0.0, 1e3},
            "weight of the regularisation under the constraints");
     p.read("tension_m", options_.tension_m, "m", {1e-6, 10.0},
-           "at_most: how hard each edge pulls for its length");
+           "tension that pulls each edge to its length; for at_most");
     p.read("length_weight", options_.length_weight, "", {1e-3, 1e6},
-           "equal: an edge counts as much as so many matches");
+           "weight of an edge, as a number of matches; for equal");
     p.read("previous", options_.previous, "", {0.0, 100.0},
-           "weight of staying where the previous shape has the controls; 0: none");
-    p.read("max_iterations", options_.max_iterations, "", {1, 10000}, "of one start");
-    p.read("tolerance_m", options_.tolerance_m, "m", {0.0, 1.0}, "rms step at which to stop");
+           "weight of the distance of the controls from the previous shape; 0: none");
+    p.read("max_iterations", options_.max_iterations, "", {1, 10000},
+           "maximum number of iterations per initial guess");
+    p.read("tolerance_m", options_.tolerance_m, "m", {0.0, 1.0},
+           "root mean square step at which the iteration stops");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -126,4 +130,4 @@ class NgoLaplacian final : public Solver {
 
 using weft::ngo_laplacian::NgoLaplacian;
 WEFT_PLUGIN(NgoLaplacian, "solvers/ngo_laplacian", "2.0.0",
-            "Shape of a Laplacian mesh under constraints on lengths; it finds its own outliers.")
+            "Fits a Laplacian mesh under length constraints, with its own outlier rejection.")

@@ -39,22 +39,22 @@ class OstlundLaplacian final : public Solver {
     if (preset == Preset::weft) method_ = Method::convex;
     front_.declare(p, preset);
     p.choice("method", method_, {{"slacks", Method::slacks}, {"convex", Method::convex}},
-             "slacks: the published steps; convex: a convex program with a pull away from the "
-             "camera");
+             "constrained fit; slacks: the published steps; convex: a convex program with a pull "
+             "away from the camera");
     double stiffness = method_ == Method::slacks ? slacks_.stiffness : convex_.stiffness;
     p.read("fit_stiffness", stiffness, "", {0.0, 1e3},
            "weight of the regularisation under the constraints");
     slacks_.stiffness = convex_.stiffness = stiffness;
     p.read("tension_m", slacks_.tension_m, "m", {1e-6, 10.0},
-           "slacks: how hard each edge pulls for its length");
-    p.read("steps", slacks_.max_iterations, "", {1, 10000}, "slacks: number of Newton steps");
-    p.read(
-        "pull_px", convex_.pull_px, "px", {1e-4, 10.0},
-        "convex: pull away from the camera, by how far it moves a match that nothing else holds");
+           "tension that pulls each edge to its length; for slacks");
+    p.read("steps", slacks_.max_iterations, "", {1, 10000}, "number of Newton steps; for slacks");
+    p.read("pull_px", convex_.pull_px, "px", {1e-4, 10.0},
+           "pull away from the camera, as the displacement of a match without other constraints; "
+           "for convex");
     p.read("tolerance_m", convex_.tolerance_m, "m", {1e-12, 1.0},
-           "convex: rms excess of the edges at which the iteration stops");
+           "root mean square excess of the edge lengths at which the iteration stops; for convex");
     p.read("max_iterations", convex_.max_iterations, "", {1, 1000000},
-           "convex: maximum number of iterations");
+           "maximum number of iterations; for convex");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -101,4 +101,4 @@ class OstlundLaplacian final : public Solver {
 
 using weft::ostlund_laplacian::OstlundLaplacian;
 WEFT_PLUGIN(OstlundLaplacian, "solvers/ostlund_laplacian", "2.0.0",
-            "Shape of a Laplacian mesh with few controls from matches; it finds its own outliers.")
+            "Fits a Laplacian mesh with few control vertices, with its own outlier rejection.")

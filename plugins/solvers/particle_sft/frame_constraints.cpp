@@ -38,7 +38,8 @@ Result<void> FrameConstraints::read(const SolverInput& in, const MeshModel& mesh
                      std::to_string(options.min_sightlines));
   }
   if (auto enough = check_match_count(in); !enough) return enough;
-  const std::vector<std::uint8_t> measured = held_vertices(system.rays, {}, mesh.vertex_count());
+  const std::vector<std::uint8_t> measured =
+      observed_vertices(system.rays, {}, mesh.vertex_count());
   hidden.clear();
   if (in.visibility && options.continue_hidden_bend) {
     auto part = solvers::hidden_part(*in.visibility, measured, mesh.neighbours());

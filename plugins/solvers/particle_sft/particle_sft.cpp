@@ -46,33 +46,38 @@ class ParticleSft final : public Solver {
 
   explicit ParticleSft(Params& p) {
     if (declare_preset(p, Preset::weft) == Preset::author) begin_as_authors();
-    p.read("damping", options_.damping, "", {0.0, 1.0}, "velocity lost in an iteration");
+    p.read("damping", options_.damping, "", {0.0, 1.0}, "share of the velocity lost per iteration");
     p.read("tracked_damping", tracked_damping_, "", {0.0, 1.0},
-           "the same from a previous shape that is within 3 % of the object's size in the image");
+           "damping after a previous shape that is within 3 % of the object's size in the image");
     p.read("stretch_stiffness", options_.stretch_stiffness, "", {0.0, 1.0},
-           "share of an edge's excess that is taken back at once");
+           "share of an edge's length error that is corrected at once");
     p.read("bend_stiffness", options_.bend_stiffness, "", {0.0, 1.0},
-           "the same for the opposite vertices of adjacent faces");
+           "share of the distance error of opposite vertices of adjacent faces that is corrected "
+           "at once");
     p.read("solver_iterations", options_.solver_iterations, "", {1, 1000},
-           "sweeps over the distances in an iteration");
-    p.read("max_iterations", options_.max_iterations, "", {1, 10000000}, "of one start");
-    p.read("tolerance_m", options_.tolerance_m, "m", {0.0, 1.0}, "rms step at which to stop");
+           "number of sweeps over the distance constraints per iteration");
+    p.read("max_iterations", options_.max_iterations, "", {1, 10000000},
+           "maximum number of iterations per initial guess");
+    p.read("tolerance_m", options_.tolerance_m, "m", {0.0, 1.0},
+           "root mean square step of the vertices at which the iteration stops");
     p.read("known_radius_m", frame_options_.known_radius_m, "m", {0.0, 1.0},
-           "radius of known points whose own is negative; 0 holds them exactly");
+           "radius of known points whose own radius is negative; 0: exact positions");
     p.read("min_sightlines", frame_options_.min_sightlines, "", {3, 1000000},
-           "with fewer there is no result for the frame");
-    p.component("start", start_, "shape from which an object is found without a previous shape");
-    p.read("start_smoothing", start_smoothing_, "squared mean edge lengths", {0.0, 1e6},
-           "how strongly the bends of that shape are smoothed; 0: not at all");
+           "minimum number of sightlines for a result");
+    p.formerly("start").component("initial_guess", start_,
+                                  "solver of the initial guess when there is no previous shape");
+    p.formerly("start_smoothing")
+        .read("initial_guess_smoothing", start_smoothing_, "squared mean edge lengths", {0.0, 1e6},
+              "strength of the bend smoothing of the initial guess; 0: none");
     p.read("multi_start", multi_start_,
-           "try further starts after a loss, after a jump and where the result is doubtful");
+           "further initial guesses after a loss, after a jump and after a doubtful result");
     p.read(
         "continue_hidden_bend", frame_options_.continue_hidden_bend,
-        "go on with the bend of the seen part where a visibility says that the surface is hidden");
+        "continuation of the visible part's bend where a visibility marks the surface as hidden");
     p.read("continue_uncovered_bend", frame_options_.continue_uncovered_bend,
-           "go on with it too where the surface may be seen, but nothing was recognised up to its "
-           "border");
-    p.read("covariance", wants_covariance_, "say how uncertain each vertex is");
+           "continuation of the bend also where the surface may be visible but has no matches up "
+           "to its border");
+    p.read("covariance", wants_covariance_, "covariance of each vertex in the result");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -92,8 +97,8 @@ class ParticleSft final : public Solver {
   }
 
  private:
-  /// The constants of the program that was released with ROBUSfT. `start` is a component, which a
-  /// preset does not change.
+  /// The constants of the program that was released with ROBUSfT. `initial_guess` is a component,
+  /// which a preset does not change.
   void begin_as_authors() {
     options_.tolerance_m = 1e-5;
     start_smoothing_ = 0.0;
@@ -117,7 +122,7 @@ class ParticleSft final : public Solver {
 
   /// A tracked object continues from the previous shape. Without one, after a loss or a jump, and
   /// where the result is doubtful, other starts are tried as well. Without `multi_start` the start
-  /// is the previous shape, or that of `start` where there is none.
+  /// is the previous shape, or that of `initial_guess` where there is none.
   Result<void> run_starts(const SolverInput& in, std::vector<Candidate>& candidates) {
     const std::optional<Points3> previous = previous_vertices(in);
     const solvers::ImageMotion motion =
@@ -125,7 +130,7 @@ class ParticleSft final : public Solver {
     const bool tracked = previous && is_tracked(in, motion);
     if (previous) {
       RelaxationOptions options = options_;
-      if (tracked && motion.apart_px <= kNear * motion.diagonal_px)
+      if (tracked && motion.distance_px <= kNear * motion.diagonal_px)
         options.damping = tracked_damping_;
       auto run = relax(in, StartKind::previous, *previous, options, candidates);
       if (!run) return run;
@@ -213,16 +218,16 @@ class ParticleSft final : public Solver {
     Shape shape;
     shape.vertices_m = make_array<double>(best.vertices_m);
     shape.confidence = confidence(best.fit, evidence) * confidence_of_filters(in.correspondences);
-    const std::vector<std::uint8_t> held =
-        held_vertices(frame_.system.rays, frame_.system.spheres, mesh_.vertex_count());
+    const std::vector<std::uint8_t> observed =
+        observed_vertices(frame_.system.rays, frame_.system.spheres, mesh_.vertex_count());
     shape.source = Array<std::uint8_t>({mesh_.vertex_count()});
-    std::copy(held.begin(), held.end(), shape.source.data());
+    std::copy(observed.begin(), observed.end(), shape.source.data());
     if (wants_covariance_) {
       const HoldingNoise noise = holding_noise(
           {best.fit.residual_px, best.fit.strain, frame_.system.rays.size(), evidence.agreeing,
-           covariance_.curvature_per_m(best.vertices_m, held), mesh_.diagonal_m()});
+           covariance_.curvature_per_m(best.vertices_m, observed), mesh_.diagonal_m()});
       shape.covariance_m2 = Array<double>({mesh_.vertex_count(), 3, 3});
-      const bool known = covariance_.compute(frame_.system, held, pinhole(in), best.vertices_m,
+      const bool known = covariance_.compute(frame_.system, observed, pinhole(in), best.vertices_m,
                                              noise, shape.covariance_m2.data());
       if (!known) shape.covariance_m2 = {};
     }
@@ -281,4 +286,4 @@ class ParticleSft final : public Solver {
 
 using weft::particle_sft::ParticleSft;
 WEFT_PLUGIN(ParticleSft, "solvers/particle_sft", "1.7.0",
-            "Shape from sightlines by position based dynamics, tracked from frame to frame.")
+            "Fits a shape to sightlines by position-based dynamics, tracked from frame to frame.")

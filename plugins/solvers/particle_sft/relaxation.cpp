@@ -56,18 +56,18 @@ void bring_into_sphere(const KnownSurfacePoint& sphere, Particle* y) {
 
 }  // namespace
 
-std::vector<std::uint8_t> held_vertices(const std::vector<RayConstraint>& rays,
-                                        const std::vector<KnownSurfacePoint>& known,
-                                        Eigen::Index vertex_count) {
-  std::vector<std::uint8_t> held(to_index(vertex_count), 0);
+std::vector<std::uint8_t> observed_vertices(const std::vector<RayConstraint>& rays,
+                                            const std::vector<KnownSurfacePoint>& known,
+                                            Eigen::Index vertex_count) {
+  std::vector<std::uint8_t> observed(to_index(vertex_count), 0);
   const auto mark = [&](const auto& points) {
     for (const auto& point : points) {
-      for (const std::int32_t v : point.vertices) held[to_index(v)] = 1;
+      for (const std::int32_t v : point.vertices) observed[to_index(v)] = 1;
     }
   };
   mark(rays);
   mark(known);
-  return held;
+  return observed;
 }
 
 void Relaxation::load(const ParticleSystem& system) {

@@ -33,9 +33,9 @@ struct ParticleSystem {
 };
 
 /// [V] 1 for the vertices that a ray or a known point holds, by themselves or through a face.
-std::vector<std::uint8_t> held_vertices(const std::vector<RayConstraint>& rays,
-                                        const std::vector<KnownSurfacePoint>& known,
-                                        Eigen::Index vertex_count);
+std::vector<std::uint8_t> observed_vertices(const std::vector<RayConstraint>& rays,
+                                            const std::vector<KnownSurfacePoint>& known,
+                                            Eigen::Index vertex_count);
 
 struct RelaxationOptions {
   double damping = 0.008;          ///< [] share of the velocity lost in an iteration

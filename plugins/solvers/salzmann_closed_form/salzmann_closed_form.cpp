@@ -42,18 +42,21 @@ class SalzmannClosedForm final : public Solver {
       .reads = ""};
 
   explicit SalzmannClosedForm(Params& p) {
-    p.read("modes", modes_wanted_, "", {4, 60}, "smooth functions of which shapes are made");
+    p.read("modes", modes_wanted_, "", {4, 60}, "number of smooth basis functions of the shapes");
     p.read("unknowns", unknowns_, "", {1, 16},
-           "at most so many of the shapes that the image allows are combined");
+           "maximum number of combined shapes that the image allows");
     p.read("smoothing", smoothing_, "", {1e-9, 1e9},
-           "bending energy against squared errors in the image in px");
+           "weight of the bending energy, relative to squared image errors in px");
     p.read("strain", strain_, "", {1e-5, 1.0},
-           "how far an edge may be from its length: standard deviation");
-    p.read("rounds", rounds_, "", {1, 20},
-           "how often it is solved at most: again while matches are far off");
+           "standard deviation of the relative edge-length error");
+    p.read(
+        "rounds", rounds_, "", {1, 20},
+        "maximum number of solves; a solve is repeated while some matches have large image errors");
     p.read("outlier_px", outlier_px_, "px", {0.1, 1e6},
-           "matches that are further off are left out of the second round; halved after each");
-    p.read("polish", polish_, "", {0, 1000}, "Gauss-Newton iterations after each closed form");
+           "image error above which a match is excluded from the second round; halved after each "
+           "round");
+    p.read("polish", polish_, "", {0, 1000},
+           "number of Gauss-Newton iterations after each closed-form solution");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -156,4 +159,4 @@ class SalzmannClosedForm final : public Solver {
 
 using weft::salzmann_closed_form::SalzmannClosedForm;
 WEFT_PLUGIN(SalzmannClosedForm, "solvers/salzmann_closed_form", "1.1.0",
-            "Inextensible surface in closed form: smooth shapes that the image allows.")
+            "Computes an inextensible surface in closed form as a combination of smooth shapes.")

@@ -56,4 +56,4 @@ class SalzmannConvex final : public Solver {
 
 using weft::salzmann_convex::SalzmannConvex;
 WEFT_PLUGIN(SalzmannConvex, "solvers/salzmann_convex", "2.0.0",
-            "Inextensible surface, also with sharp folds, by one convex program on the matches.")
+            "Fits an inextensible surface, with sharp folds if needed, by one convex program.")

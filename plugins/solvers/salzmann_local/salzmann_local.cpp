@@ -30,16 +30,15 @@ class SalzmannLocal final : public Solver {
                                 .reads = ""};
 
   explicit SalzmannLocal(Params& p) {
-    p.read(
-        "prior_weight_px", prior_weight_px_, "px", {0.0, 10.0},
-        "error in the image that costs what a bend of one standard deviation costs; 0: no prior");
+    p.read("prior_weight_px", prior_weight_px_, "px", {0.0, 10.0},
+           "image error with the same cost as a bend of one standard deviation; 0: no prior");
     p.read("bend_rad", options_.turn_rad, "rad", {0.01, 100.0},
-           "how far sheets of the training turn over the template's diagonal: standard deviation");
+           "standard deviation of the turn of the training surfaces over the template's diagonal");
     p.read("floor", options_.floor_edges, "mean edges", {1e-4, 1.0},
-           "what any patch may depart from all modes: standard deviation of each");
+           "standard deviation that is added in quadrature to each mode of a patch");
     p.read("training_shapes", options_.training_shapes, "", {50, 100000},
-           "cylinders and cones that the modes are learned from");
-    p.read("training_seed", seed_, "", {0, 1e9}, "of these");
+           "number of cylinders and cones from which the modes are learned");
+    p.read("training_seed", seed_, "", {0, 1e9}, "seed of the training shapes");
     surface_.declare(p, 4);
     options_.seed = static_cast<std::uint64_t>(seed_);
   }
@@ -84,4 +83,4 @@ class SalzmannLocal final : public Solver {
 
 using weft::salzmann_local::SalzmannLocal;
 WEFT_PLUGIN(SalzmannLocal, "solvers/salzmann_local", "1.1.0",
-            "Inextensible surface with learned bends of its patches, by one convex program.")
+            "Fits an inextensible surface with learned bends of its patches by one convex program.")

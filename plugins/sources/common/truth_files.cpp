@@ -41,8 +41,8 @@ Result<std::string> stem_of_frame(const std::string& path, const std::set<std::s
 
 void TruthFiles::declare(Params& p) {
   p.text("truth_parts", part_words_,
-         "parts that are scored apart, with blanks between; a file's is its folder, or ends its "
-         "name: visible/STEM.ply or STEM_visible.ply");
+         "parts that are scored separately, separated by blanks; a file's part is its folder or "
+         "the end of its name: visible/STEM.ply or STEM_visible.ply");
   p.read("truth_unit_m", unit_m_, "m", {1e-9, 1e3},
          "length of one unit of true clouds in PLY and npz files");
 }

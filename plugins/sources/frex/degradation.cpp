@@ -74,15 +74,15 @@ Colour skin(double distance, bool is_grey) {
 
 void DegradationSettings::read(Params& p) {
   p.read("motion_blur_px", motion_blur_px, "px", {0.0, 100.0},
-         "length of the motion blur, along the mean movement of the sheet in the image");
+         "length of the motion blur, along the mean movement of the surface in the image");
   p.read("readout_s", readout_s, "s", {0.0, 0.1},
-         "time that a rolling shutter takes from the first row to the last; 0: a global shutter");
+         "readout time of a rolling shutter from the first row to the last; 0: global shutter");
   p.read("exposure_stops", exposure_stops, "", {0.0, 4.0},
-         "by how many stops the exposure steps up and down every five frames");
+         "exposure step, up and down every five frames, in stops");
   p.read("hand_share", hand_share, "", {0.0, 0.9},
-         "share of the sheet in the image that a hand covers");
+         "share of the surface in the image that a hand covers");
   p.read("jpeg_quality", jpeg_quality, "", {0, 100},
-         "quality of the JPEG that keeps each image; 0: images are not compressed");
+         "JPEG quality of each image; 0: no compression");
 }
 
 Eigen::Vector3d Movement::at(Eigen::Index vertex, double t_s) const {

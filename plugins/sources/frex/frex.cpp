@@ -272,8 +272,8 @@ class FrexObject final : public SheetSource {
  public:
   explicit FrexObject(Params& p) {
     p.component("object", object_,
-                "template of what is filmed; a finer mesh than the one that is tracked makes the "
-                "truth finer");
+                "template of the filmed object; a mesh finer than the tracked one gives finer "
+                "ground truth");
     read_settings(p);
   }
 
@@ -299,9 +299,9 @@ class FrexObject final : public SheetSource {
 using weft::frex::Frex;
 using weft::frex::FrexObject;
 WEFT_LIBRARY(
-    WEFT_COMPONENT(
-        Frex, "sources/frex", "1.0.0",
-        "Simulates a printed sheet of paper or cloth before a camera, with dense exact truth."),
+    WEFT_COMPONENT(Frex, "sources/frex", "1.0.0",
+                   "Simulates a printed sheet of paper or cloth in front of a camera, with dense "
+                   "exact ground truth."),
     WEFT_COMPONENT(
         FrexObject, "sources/frex_object", "1.0.0",
-        "Simulates an object that a template describes, flat or curved, as sources/frex."))
+        "Simulates a flat or curved object, given as a template, in the same way as sources/frex."))

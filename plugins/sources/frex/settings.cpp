@@ -6,22 +6,23 @@
 namespace weft::frex {
 
 void RectangleSettings::read(Params& p) {
-  p.input_path("texture", texture_path, "image printed on the sheet, from edge to edge",
+  p.input_path("texture", texture_path, "image printed on the surface, from edge to edge",
                Need::required);
-  p.read("width_m", width_m, "m", {0.001, 1000.0}, "width of the sheet");
-  p.read("height_m", height_m, "m", {0.0, 1000.0}, "height of the sheet; 0: texels are square");
-  p.read("columns", columns, "", {3, 400}, "vertices of the simulated mesh along the width");
-  p.read("rows", rows, "", {3, 400}, "vertices of the simulated mesh along the height");
+  p.read("width_m", width_m, "m", {0.001, 1000.0}, "width of the surface");
+  p.read("height_m", height_m, "m", {0.0, 1000.0}, "height of the surface; 0: square texels");
+  p.read("columns", columns, "", {3, 400},
+         "number of vertices of the simulated mesh along the width");
+  p.read("rows", rows, "", {3, 400}, "number of vertices of the simulated mesh along the height");
 }
 
 void Settings::read(Params& p) {
   p.read("frames", frames, "", {1, 10000}, "number of frames");
-  p.read("fps", fps, "1/s", {1.0, 1000.0}, "frames a second");
+  p.read("fps", fps, "1/s", {1.0, 1000.0}, "frame rate");
   p.read("image_width_px", camera.width_px, "px", {16, 8192}, "width of the images");
   p.read("image_height_px", camera.height_px, "px", {16, 8192}, "height of the images");
   p.read("focal_px", camera.fx, "px", {1.0, 100000.0}, "focal length");
   p.read("distance_m", motion.distance_m, "m", {0.01, 1000.0},
-         "from the camera to the middle of the sheet");
+         "distance from the camera to the centre of the surface");
   p.choice("pattern", motion.pattern,
            {{"roll", Pattern::roll},
             {"s_bend", Pattern::s_bend},
@@ -30,36 +31,43 @@ void Settings::read(Params& p) {
             {"handles", Pattern::handles},
             {"bulge", Pattern::bulge},
             {"folds", Pattern::folds}},
-           "how the sheet deforms");
-  p.read("bend", motion.bend, "", {0.0, 1.5}, "size of the deformation over the usual one");
+           "deformation pattern");
+  p.read("bend", motion.bend, "", {0.0, 1.5}, "size of the deformation, relative to the usual one");
   p.read("stretch", motion.stretch, "", {0.0, 0.2},
-         "largest elastic strain along the width; 0: the sheet does not stretch");
-  p.read("tilt_rad", motion.tilt_rad, "rad", {0.0, 1.5}, "largest turn of the whole sheet");
-  p.read("travel_m", motion.travel_m, "m", {0.0, 1000.0}, "how far the whole sheet moves");
-  p.read("period_s", motion.period_s, "s", {0.1, 10000.0}, "from flat to flat");
+         "maximum elastic strain along the width; 0: no stretching");
+  p.read("tilt_rad", motion.tilt_rad, "rad", {0.0, 1.5},
+         "maximum rotation of the whole surface about each axis");
+  p.read("travel_m", motion.travel_m, "m", {0.0, 1000.0},
+         "maximum displacement of the whole surface to the side");
+  p.read("period_s", motion.period_s, "s", {0.1, 10000.0}, "time from flat to flat");
   p.choice("background", background,
            {{"plain", Background::plain},
             {"clutter", Background::clutter},
             {"look_alike", Background::look_alike},
             {"image", Background::image}},
-           "what lies behind: a bare table, a full one, copies of the print, background_image");
-  p.input_path("background_image", background_path, "picture of background: image");
+           "background of the surface; plain: empty table; clutter: full table; look_alike: copies "
+           "of the texture; image: background_image");
+  p.input_path("background_image", background_path, "background image; for background: image");
   p.read("copy_size", copy_size, "", {0.2, 2.0},
-         "size of the copies of background: look_alike over that of the flat sheet");
-  p.read("occluder", occluder, "an arm that hides parts of the sheet");
+         "size of the copies of the texture, relative to the flat surface; for background: "
+         "look_alike");
+  p.read("occluder", occluder, "arm that hides parts of the surface");
   p.read("invisible_frames", invisible_frames, "", {0, 1000000},
-         "frames that show the background only; the truth is where the sheet would be");
+         "indices of frames that show only the background; the true shape is where the surface "
+         "would be");
   p.read("cut_frames", cut_frames, "", {0, 1000000},
-         "frames before which a part of the film is missing");
-  p.read("ambient", ambient, "", {0.0, 1.0}, "share of the light that comes from all around");
-  p.read("light_drift_rad", light_drift_rad, "rad", {0.0, 0.5}, "how far the lamp wanders");
-  p.read("noise_grey", noise_grey, "grey level", {0.0, 255.0}, "sigma of the noise of a pixel");
-  p.read("blur_px", blur_px, "px", {0.0, 20.0}, "sigma of the blur of the lens");
+         "indices of frames before which a part of the video is missing");
+  p.read("ambient", ambient, "", {0.0, 1.0}, "share of ambient light");
+  p.read("light_drift_rad", light_drift_rad, "rad", {0.0, 0.5},
+         "maximum angle by which the light wanders");
+  p.read("noise_grey", noise_grey, "grey level", {0.0, 255.0},
+         "standard deviation of the pixel noise");
+  p.read("blur_px", blur_px, "px", {0.0, 20.0}, "standard deviation of the lens blur");
   degradation.read(p);
-  p.read("dense_truth", dense_truth, "give depth and template point of each pixel too");
+  p.read("dense_truth", dense_truth, "depth and template point of each pixel in the ground truth");
   std::int64_t seed = 1;
   p.read("seed", seed, "", {0, 9007199254740992.0},
-         "chooses movement, light, background and noise, whatever the seed of the run is");
+         "seed of movement, light, background and noise, independent of the run's seed");
   motion.seed = static_cast<std::uint64_t>(seed);
 }
 

@@ -30,26 +30,33 @@ class FrexVideo final : public Source {
 
   explicit FrexVideo(Params& p) {
     p.component("frames", frames_, "source of the recorded frames");
-    p.input_path("layout", layout_path_, "layout of the sheet, written beside its PDF",
+    p.input_path("layout", layout_path_,
+                 "layout file of the printed markers, stored beside the PDF", Need::required);
+    p.input_path("texture", texture_path_, "image that is rendered onto the surface",
                  Need::required);
-    p.input_path("texture", texture_path_, "image that is put on the sheet", Need::required);
     p.choice("background", background_,
              {{"original", Background::original},
               {"white", Background::white},
               {"image", Background::image}},
-             "what is around the sheet: what was recorded, nothing, or 'background_image'");
-    p.input_path("background_image", background_path_, "image around the sheet");
-    p.read("min_markers", min_markers_, "", {4, 250}, "markers below which a frame is left out");
+             "background of the surface; original: as recorded; white: empty; image: "
+             "'background_image'");
+    p.input_path("background_image", background_path_, "image around the surface");
+    p.read("min_markers", min_markers_, "", {4, 250},
+           "number of markers below which a frame is omitted");
     p.read("max_marker_error_px", locate_.max_marker_error_px, "px", {0.1, 1000.0},
-           "distance from the warp of the others above which a marker is dropped");
+           "distance from the warp of the other markers above which a marker is rejected");
     p.choice("truth", scene_.truth, {{"surface", Truth::surface}, {"markers", Truth::markers}},
-             "points of the surface fitted to all markers, or markers each by itself");
+             "true points; surface: points of the surface fitted to all markers; markers: each "
+             "marker by itself");
     p.read("truth_spacing_mm", scene_.truth_spacing_mm, "mm", {0.5, 100.0},
-           "between points of the true surface");
-    p.read("lighting_seed", scene_.lighting_seed, "", {0, 1e15}, "chooses where the light is");
-    p.read("ambient", scene_.ambient, "", {0.0, 1.0}, "share of light that has no direction");
-    p.read("blur_px", scene_.blur_px, "px", {0.0, 20.0}, "sigma of the blur of the new print");
-    p.read("noise_grey", noise_grey_, "grey level", {0.0, 255.0}, "sigma of its noise");
+           "spacing of the points of the true surface");
+    p.read("lighting_seed", scene_.lighting_seed, "", {0, 1e15},
+           "seed of the position of the light");
+    p.read("ambient", scene_.ambient, "", {0.0, 1.0}, "share of light without direction");
+    p.read("blur_px", scene_.blur_px, "px", {0.0, 20.0},
+           "standard deviation of the blur of the rendered texture");
+    p.read("noise_grey", noise_grey_, "grey level", {0.0, 255.0},
+           "standard deviation of the noise of the rendered texture");
   }
 
   void check(Mistakes& mistakes) const {
@@ -197,5 +204,6 @@ class FrexVideo final : public Source {
 }  // namespace weft::frex_video
 
 using weft::frex_video::FrexVideo;
-WEFT_PLUGIN(FrexVideo, "sources/frex_video", "1.0.0",
-            "Puts a texture on a recorded sheet of ArUco markers, with 2D and 3D truth.")
+WEFT_PLUGIN(
+    FrexVideo, "sources/frex_video", "1.0.0",
+    "Renders a texture onto a recorded sheet of ArUco markers, with 2D and 3D ground truth.")

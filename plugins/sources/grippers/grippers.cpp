@@ -46,17 +46,18 @@ class Grippers final : public Source {
       .uses_truth = true};
 
   explicit Grippers(Params& p) {
-    p.component("frames", frames_, "source of the frames and of their truth");
-    p.read("count", count_, "", {0, static_cast<double>(kPlaces.size())},
-           "grippers: the middles of the left, right, upper and lower border, then the corners");
+    p.component("frames", frames_, "source of the frames and of their ground truth");
+    p.read(
+        "count", count_, "", {0, static_cast<double>(kPlaces.size())},
+        "number of grippers: middles of the left, right, upper and lower border, then the corners");
     p.read("offset_mm", offset_mm_, "mm", {0.0, 1000.0},
-           "length of the error of calibration: one displacement of all points in all frames");
+           "length of the calibration error: one displacement of all points in all frames");
     p.read("noise_mm", noise_mm_, "mm", {0.0, 1000.0},
-           "sigma of the error of each coordinate, point and frame");
+           "standard deviation of the error of each coordinate, point and frame");
     p.read("radius_mm", radius_mm_, "mm", {-1.0, 1000.0},
-           "said to be the points' radius; below 0: the solver's own");
+           "reported radius of the points; below 0: the solver's own");
     p.read("seed", seed_, "", {0, 9e15},
-           "chooses the direction of the offset and the noise; the run's seed does not matter");
+           "seed of the offset's direction and of the noise, independent of the run's seed");
   }
 
   Result<Camera> open(const Call& call) override {
@@ -134,4 +135,4 @@ class Grippers final : public Source {
 
 using weft::grippers::Grippers;
 WEFT_PLUGIN(Grippers, "sources/grippers", "1.0.0",
-            "Makes known points of the truth of another source; for experiments only.")
+            "Derives known points from the ground truth of another source; for experiments only.")

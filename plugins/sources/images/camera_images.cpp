@@ -55,12 +55,13 @@ Result<Photograph> read_photograph(const std::string& path, const cv::Size& canv
 
 void CameraImages::declare(Params& p) {
   p.input_path("camera", camera_path_,
-               "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info; or auto: "
-               "assumed from EXIF and the size of the images",
+               "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info; auto: "
+               "assumed from EXIF and the image size",
                Need::required, {"auto"});
   cameras::declare(p, focal_);
   p.read("longest_px", longest_px_, "px", {0, 65'535},
-         "scale images down until no side is longer, and the camera with them; 0: as they are");
+         "maximum length of an image side; larger images are scaled down, with their camera; 0: no "
+         "limit");
 }
 
 Result<void> CameraImages::read_camera(bool sizes_alone) {

@@ -22,7 +22,7 @@ Result<cv::Mat> read_depth_file(const std::string& path, const cameras::Calibrat
 
 void DepthFiles::declare(Params& p) {
   p.input_path("depth", pattern_,
-               "depth images aligned to the frames, 16 bits; one has its frame's stem");
+               "depth images aligned to the frames, 16 bits, with the stems of the frames");
   p.read("depth_unit_m", unit_m_, "m", {1e-9, 1e3}, "depth of one unit of the depth images");
 }
 

@@ -21,7 +21,7 @@ namespace {
 struct Frame {
   std::string path;
   std::string stem;
-  std::string apart;  ///< why it is reported apart, if it is
+  std::string exclusion;  ///< why it is reported apart, if it is
 };
 
 /// Image files of one camera, in the natural order of their paths: those that are there,
@@ -31,19 +31,20 @@ class Images final : public Source {
   static constexpr About kAbout{.produces = "image time ground_truth region"};
 
   explicit Images(Params& p) {
-    p.input_path("path", path_, "image files; * ? and [ ] work in the file name and in folders",
+    p.input_path("path", path_, "image files; * ? and [ ] are wildcards in file and folder names",
                  Need::required);
     images_.declare(p);
     p.input_path("truth", truth_path_,
-                 "CSV files of true points, npz files of truth records, clouds as PLY, CSV or npz; "
-                 "STEM_KIND.csv belongs to the frame STEM, the longest that fits");
+                 "ground truth files: true points as CSV, truth records as npz, clouds as PLY, CSV "
+                 "or npz; STEM_KIND.csv belongs to the frame with the longest matching STEM");
     truth_.declare(p);
-    p.labels("apart", apart_, "frames that are reported apart: stem and reason");
+    p.formerly("apart").labels("excluded", exclusions_,
+                               "frames that are reported separately: stem and reason");
     depth_.declare(p);
     region_.declare(p);
-    p.read("fps", fps_, "1/s", {1e-3, 1e6}, "frames a second; gives each frame its time");
+    p.read("fps", fps_, "1/s", {1e-3, 1e6}, "frame rate that determines the time of each frame");
     p.read("wait_s", wait_s_, "s", {0.0, 86'400.0},
-           "wait so long for the next file of a folder that grows; 0: the folder is whole");
+           "time to wait for the next file of a growing folder; 0: the folder is complete");
   }
 
   void check(Mistakes& mistakes) const {
@@ -60,7 +61,7 @@ class Images final : public Source {
     mistakes.expect("truth", found.attach_truth());
     mistakes.expect("depth", found.attach_depth());
     mistakes.expect("region", found.attach_region());
-    mistakes.expect("apart", found.mark_apart());
+    mistakes.expect("excluded", found.mark_excluded());
   }
 
   Result<Camera> open(const Call& call) override {
@@ -76,7 +77,7 @@ class Images final : public Source {
     if (auto attached = attach_truth(); !attached) return attached.error();
     if (auto attached = attach_depth(); !attached) return attached.error();
     if (auto attached = attach_region(); !attached) return attached.error();
-    if (auto marked = mark_apart(); !marked) return marked.error();
+    if (auto marked = mark_excluded(); !marked) return marked.error();
     images_.report(call, path_);
     report_order(call);
     return images_.camera().pinhole();
@@ -143,11 +144,11 @@ class Images final : public Source {
     for (std::string& path : *paths) {
       std::string stem = sources::stem_of(path);
       const auto [twin, is_new] = frame_of_.try_emplace(stem, frames_.size());
-      // Stems are the names by which truth and `apart` refer to frames.
-      if (!is_new && !(truth_path_.empty() && apart_.empty())) {
+      // Stems are the names by which truth and `excluded` refer to frames.
+      if (!is_new && !(truth_path_.empty() && exclusions_.empty())) {
         return Error{Errc::invalid_value,
                      "the frames " + frames_[twin->second].path + " and " + path +
-                         " have the same stem, so that truth and 'apart' are ambiguous: narrow "
+                         " have the same stem, so that truth and 'excluded' are ambiguous: narrow "
                          "'path' or rename one"};
       }
       frames_.push_back({std::move(path), std::move(stem), {}});
@@ -244,16 +245,16 @@ class Images final : public Source {
     return truth_.open(truth_path_, stems());
   }
 
-  Result<void> mark_apart() {
-    if (auto whole = check_fixed("apart", live() && !apart_.empty()); !whole) return whole;
-    for (const auto& [stem, reason] : apart_) {
+  Result<void> mark_excluded() {
+    if (auto whole = check_fixed("excluded", live() && !exclusions_.empty()); !whole) return whole;
+    for (const auto& [stem, reason] : exclusions_) {
       Frame* frame = find(stem);
       if (frame == nullptr) {
-        return Error{Errc::not_found, "'apart' names the frame '" + stem +
+        return Error{Errc::not_found, "'excluded' names the frame '" + stem +
                                           "', but no image has this stem" +
                                           did_you_mean(stem, stems())};
       }
-      frame->apart = reason;
+      frame->exclusion = reason;
     }
     return {};
   }
@@ -268,7 +269,7 @@ class Images final : public Source {
                                           "' has places or values of pixels, which are not scaled: "
                                           "leave 'longest_px' out"};
     }
-    if (truth && *truth && !frame.apart.empty()) (*truth)->apart = frame.apart;
+    if (truth && *truth && !frame.exclusion.empty()) (*truth)->exclusion = frame.exclusion;
     return truth;
   }
 
@@ -280,7 +281,7 @@ class Images final : public Source {
   std::string path_;
   CameraImages images_;
   std::string truth_path_;
-  std::vector<std::pair<std::string, std::string>> apart_;
+  std::vector<std::pair<std::string, std::string>> exclusions_;
   double fps_ = 30.0;
   double wait_s_ = 0.0;
 
@@ -298,5 +299,4 @@ class Images final : public Source {
 
 using weft::images::Images;
 WEFT_PLUGIN(Images, "sources/images", "1.3.0",
-            "Reads image files of one camera, undistorted, with truth and regions where there are "
-            "any.")
+            "Reads image files of one camera, undistorted, with any ground truth and region masks.")

@@ -7,8 +7,8 @@ namespace weft::images {
 
 void RegionFiles::declare(Params& p) {
   p.input_path("region", pattern_,
-               "masks of the frames, one channel, 0 where the object cannot be seen; each has its "
-               "frame's stem");
+               "masks of the frames, one channel, 0 where the object cannot be visible, with the "
+               "stems of the frames");
 }
 
 Result<void> RegionFiles::open(const std::vector<std::string>& stems) {

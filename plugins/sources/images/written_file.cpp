@@ -17,7 +17,7 @@ bool WrittenFile::is_complete(bool has_later, double still_s) {
     end_ = find_end();
   }
   ++looks_;
-  if (end_ == End::there || (end_ == End::untold && has_later)) return true;
+  if (end_ == End::there || (end_ == End::unmarked && has_later)) return true;
   return looks_ >= kFewestLooks && std::chrono::duration<double>(now - since_).count() >= still_s;
 }
 
@@ -32,7 +32,7 @@ WrittenFile::State WrittenFile::look() const {
 WrittenFile::End WrittenFile::find_end() const {
   const auto file = read_image_bytes(path_);
   if (!file || file->header.width_px == 0) return End::missing;
-  return file->header.complete ? End::there : End::untold;
+  return file->header.complete ? End::there : End::unmarked;
 }
 
 }  // namespace weft::images

@@ -31,7 +31,7 @@ class WrittenFile {
 
     bool operator==(const State&) const = default;
   };
-  enum class End { missing, there, untold };  ///< untold: the format has no mark of its end
+  enum class End { missing, there, unmarked };  ///< unmarked: the format has no mark of its end
 
   State look() const;
   End find_end() const;

@@ -19,18 +19,19 @@ class KnownPointSource final : public Source {
 
   explicit KnownPointSource(Params& p) {
     p.component("frames", frames_, "source of the frames");
-    p.input_path("path", feed_options_.path,
-                 "rows of known points: a file .csv, a file of JSON lines, or a named pipe of them",
-                 Need::required);
+    p.input_path(
+        "path", feed_options_.path,
+        "rows of known points: a CSV file, a file of JSON lines, or a named pipe of JSON lines",
+        Need::required);
     p.read("tolerance_s", feed_options_.tolerance_s, "s", {0.0, 1e6},
-           "a row further from the frame in time is not used");
+           "maximum time difference between a row and its frame");
     p.read("clock_offset_s", clock_offset_s_, "s", {-1e12, 1e12},
-           "time of the rows when that of the frames is 0");
+           "time of the rows when the time of the frames is 0");
     p.read("wait_ms", feed_options_.wait_ms, "ms", {0, 3600000},
-           "how long a frame waits for the rows of a pipe");
+           "maximum time for which a frame waits for the rows of a pipe");
     p.read("camera_from_robot", camera_from_robot_, "m", {-1e6, 1e6},
-           "rotation and translation [R t] of the rows' points, row by row: 12 numbers; left out, "
-           "they are in the camera frame");
+           "rotation and translation [R t] from the frame of the rows to the camera frame, 12 "
+           "numbers row by row; empty: camera frame");
   }
 
   /// A pipe is not opened: its writer would lose what it has written to it so far.
@@ -107,4 +108,4 @@ class KnownPointSource final : public Source {
 
 using weft::known_points::KnownPointSource;
 WEFT_PLUGIN(KnownPointSource, "sources/known_points", "1.0.0",
-            "Adds known 3D points, of a file or a pipe, to the frames of another source.")
+            "Adds known 3D points from a file or a pipe to the frames of another source.")

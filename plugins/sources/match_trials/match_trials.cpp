@@ -27,19 +27,21 @@ class MatchTrials final : public Source {
       .produces = "correspondences ground_truth"};
 
   explicit MatchTrials(Params& p) {
-    p.read("trials", trials_, "", {1, 1e9}, "number of frames; each is a trial of its own");
-    p.read("seed", seed_, "", {0, 9e15}, "chooses the trials; the run's seed does not matter");
-    p.read("matches", matches_.count, "", {1, 1000000}, "matches of a trial");
-    p.read("correct_rate", matches_.correct_rate, "", {0.0, 1.0},
-           "part of the matches that is not replaced by a random point of the image");
+    p.read("trials", trials_, "", {1, 1e9}, "number of frames, each an independent trial");
+    p.read("seed", seed_, "", {0, 9e15}, "seed of the trials, independent of the run's seed");
+    p.read("matches", matches_.count, "", {1, 1000000}, "number of matches per trial");
+    p.formerly("correct_rate")
+        .read("inlier_rate", matches_.correct_rate, "", {0.0, 1.0},
+              "share of matches that are not replaced by a random point of the image");
     p.read("noise_px", matches_.noise_px, "px", {0.0, 1000.0},
-           "sigma along u and v of the image points of correct matches");
-    p.read("columns", columns_, "", {4, 2000}, "vertices along the width, as of the template");
-    p.read("rows", rows_, "", {2, 2000}, "vertices along the height, as of the template");
-    p.read("width_m", width_m_, "m", {1e-6, 1000.0}, "width of the sheet");
-    p.read("height_m", height_m_, "m", {1e-6, 1000.0}, "height of the sheet");
-    p.read("texture_width_px", width_px_, "px", {2, 100000}, "of the template's texture");
-    p.read("texture_height_px", height_px_, "px", {2, 100000}, "of the template's texture");
+           "standard deviation, along u and v, of the image points of inliers");
+    p.read("columns", columns_, "", {4, 2000},
+           "number of vertices along the width, as in the template");
+    p.read("rows", rows_, "", {2, 2000}, "number of vertices along the height, as in the template");
+    p.read("width_m", width_m_, "m", {1e-6, 1000.0}, "width of the surface");
+    p.read("height_m", height_m_, "m", {1e-6, 1000.0}, "height of the surface");
+    p.read("texture_width_px", width_px_, "px", {2, 100000}, "width of the template's texture");
+    p.read("texture_height_px", height_px_, "px", {2, 100000}, "height of the template's texture");
     p.read("image_width_px", camera_.width_px, "px", {16, 100000}, "width of the image");
     p.read("image_height_px", camera_.height_px, "px", {16, 100000}, "height of the image");
     p.read("focal_px", focal_px_, "px", {1.0, 1e6}, "focal length");
@@ -92,18 +94,21 @@ class MatchTrials final : public Source {
  private:
   void read_deformation(Params& p) {
     RandomDeformationSpec& d = deformation_;
-    p.read("distance_m", d.distance_m, "m", {0.01, 1000.0}, "of the flat sheet from the camera");
-    p.read("turn_x_rad", d.turn_rad.x(), "rad", {0.0, 3.2}, "largest turn of a cell about x");
-    p.read("turn_y_rad", d.turn_rad.y(), "rad", {0.0, 3.2}, "largest turn of a cell about y");
-    p.read("turn_z_rad", d.turn_rad.z(), "rad", {0.0, 3.2}, "largest turn of a cell about z");
-    p.read("approach_m", d.approach_m, "m", {0.0, 1000.0}, "largest motion of a cell inwards");
-    p.read("shift_y_m", d.shift_y_m, "m", {0.0, 1000.0}, "largest motion of a cell along y");
-    p.read("shift_z_m", d.shift_z_m, "m", {0.0, 1000.0}, "largest motion of a cell along z");
-    p.read("sweeps", d.sweeps, "", {1, 1000000}, "of position based dynamics over the sheet");
+    p.read("distance_m", d.distance_m, "m", {0.01, 1000.0},
+           "distance of the flat surface from the camera");
+    p.read("turn_x_rad", d.turn_rad.x(), "rad", {0.0, 3.2}, "maximum rotation of a cell about x");
+    p.read("turn_y_rad", d.turn_rad.y(), "rad", {0.0, 3.2}, "maximum rotation of a cell about y");
+    p.read("turn_z_rad", d.turn_rad.z(), "rad", {0.0, 3.2}, "maximum rotation of a cell about z");
+    p.read("approach_m", d.approach_m, "m", {0.0, 1000.0}, "maximum inward displacement of a cell");
+    p.read("shift_y_m", d.shift_y_m, "m", {0.0, 1000.0}, "maximum displacement of a cell along y");
+    p.read("shift_z_m", d.shift_z_m, "m", {0.0, 1000.0}, "maximum displacement of a cell along z");
+    p.read("sweeps", d.sweeps, "", {1, 1000000},
+           "number of sweeps of position-based dynamics over the surface");
     p.read("bend_stiffness", d.bend_stiffness, "", {0.0, 1.0},
-           "of distances across edges; that of the edges is 1");
-    p.read("max_strain", d.max_strain, "", {0.0, 1.0}, "of an edge; beyond it a shape is redrawn");
-    p.read("max_draws", d.max_draws, "", {1, 1e9}, "shapes drawn before a trial is given up");
+           "stiffness of distances across edges; that of the edges is 1");
+    p.read("max_strain", d.max_strain, "", {0.0, 1.0},
+           "maximum strain of an edge; a shape that exceeds it is drawn again");
+    p.read("max_draws", d.max_draws, "", {1, 1e9}, "maximum number of shapes drawn per trial");
   }
 
   Rng stream(std::uint64_t purpose, std::int64_t trial) const {
@@ -157,4 +162,4 @@ class MatchTrials final : public Source {
 
 using weft::match_trials::MatchTrials;
 WEFT_PLUGIN(MatchTrials, "sources/match_trials", "1.0.0",
-            "Draws matches with random deformations of a sheet, of which a given part is wrong.")
+            "Draws matches on random deformations of a surface, with a given share of outliers.")

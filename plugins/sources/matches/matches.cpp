@@ -24,15 +24,16 @@ class Matches final : public Source {
 
   explicit Matches(Params& p) {
     p.input_path("path", path_,
-                 "CSV or npz files, one a frame, or one with the column frame; * ? and [ ] work",
+                 "match files, CSV or npz: one per frame, or one with the column frame; * ? and [ "
+                 "] are wildcards",
                  Need::required);
     p.input_path("camera", camera_path_,
                  "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info",
                  Need::required);
     p.input_path("truth", truth_path_,
-                 "CSV files of true points or npz files of truth records; STEM_KIND.csv or .npz "
-                 "belongs to the frame STEM, 000012 in a file with the column frame");
-    p.read("fps", fps_, "1/s", {1e-3, 1e6}, "frames a second; gives each frame its time");
+                 "ground truth files: true points as CSV or truth records as npz; STEM_KIND.csv or "
+                 ".npz belongs to the frame STEM, 000012 in a file with the column frame");
+    p.read("fps", fps_, "1/s", {1e-3, 1e6}, "frame rate that determines the time of each frame");
   }
 
   void check(Mistakes& mistakes) const {
@@ -155,4 +156,4 @@ class Matches final : public Source {
 
 using weft::matches::Matches;
 WEFT_PLUGIN(Matches, "sources/matches", "1.0.0",
-            "Reads matches from CSV and npz files, with truth where there is any.")
+            "Reads matches from CSV and npz files, with any ground truth.")

@@ -40,30 +40,33 @@ class Synthetic final : public Source {
   static constexpr About kAbout{.produces = "image time ground_truth", .random = true};
 
   explicit Synthetic(Params& p) {
-    p.input_path("texture", texture_path_, "image printed on the sheet, from edge to edge",
+    p.input_path("texture", texture_path_, "image printed on the surface, from edge to edge",
                  Need::required);
-    p.read("width_m", motion_.width_m, "m", {0.001, 1000.0}, "width of the sheet");
-    p.read("height_m", height_m_, "m", {0.0, 1000.0}, "height of the sheet; 0: texels are square");
+    p.read("width_m", motion_.width_m, "m", {0.001, 1000.0}, "width of the surface");
+    p.read("height_m", height_m_, "m", {0.0, 1000.0}, "height of the surface; 0: square texels");
     p.read("frames", frames_, "", {1, 1000000}, "number of frames");
-    p.read("fps", fps_, "1/s", {0.001, 10000.0}, "frames a second");
+    p.read("fps", fps_, "1/s", {0.001, 10000.0}, "frame rate");
     p.read("image_width_px", camera_.width_px, "px", {16, 8192}, "width of the images");
     p.read("image_height_px", camera_.height_px, "px", {16, 8192}, "height of the images");
     p.read("focal_px", focal_px_, "px", {1.0, 100000.0}, "focal length");
     p.read("distance_m", motion_.distance_m, "m", {0.01, 1000.0},
-           "from the camera to the middle of the sheet");
+           "distance from the camera to the centre of the surface");
     p.read("bend_per_m", motion_.bend_per_m, "1/m", {0.0, 1000.0},
-           "largest curvature of the sheet");
-    p.read("tilt_rad", motion_.tilt_rad, "rad", {0.0, 1.5}, "largest turn about each axis");
-    p.read("travel_m", motion_.travel_m, "m", {0.0, 1000.0}, "how far the sheet moves to the side");
-    p.read("period_s", motion_.period_s, "s", {0.001, 1000000.0}, "duration of a movement");
-    p.read("noise_grey", noise_grey_, "grey level", {0.0, 255.0}, "sigma of the noise of a pixel");
+           "maximum curvature of the surface");
+    p.read("tilt_rad", motion_.tilt_rad, "rad", {0.0, 1.5}, "maximum rotation about each axis");
+    p.read("travel_m", motion_.travel_m, "m", {0.0, 1000.0},
+           "maximum displacement of the surface to the side");
+    p.read("period_s", motion_.period_s, "s", {0.001, 1000000.0}, "duration of one movement");
+    p.read("noise_grey", noise_grey_, "grey level", {0.0, 255.0},
+           "standard deviation of the pixel noise");
     p.read("cut_frames", cut_frames_, "", {0, 1000000},
-           "frames before which the sheet jumps to a pose of later in its movement");
+           "indices of frames before which the surface jumps to a later pose of its movement");
     p.read("invisible_frames", invisible_frames_, "", {0, 1000000},
-           "frames that show the background only; the truth is where the sheet would be");
-    p.read("background_seed", background_seed_, "", {0, 1000000}, "chooses the background");
-    p.read("truth_columns", truth_columns_, "", {2, 1000}, "points of the truth along the width");
-    p.read("truth_rows", truth_rows_, "", {2, 1000}, "points of the truth along the height");
+           "indices of frames that show only the background; the true shape is where the surface "
+           "would be");
+    p.read("background_seed", background_seed_, "", {0, 1000000}, "seed of the background");
+    p.read("truth_columns", truth_columns_, "", {2, 1000}, "number of true points along the width");
+    p.read("truth_rows", truth_rows_, "", {2, 1000}, "number of true points along the height");
   }
 
   void check(Mistakes& mistakes) const {
@@ -198,5 +201,6 @@ class Synthetic final : public Source {
 }  // namespace weft::synthetic
 
 using weft::synthetic::Synthetic;
-WEFT_PLUGIN(Synthetic, "sources/synthetic", "1.0.0",
-            "Renders a printed sheet that moves and bends without stretching, with exact truth.")
+WEFT_PLUGIN(
+    Synthetic, "sources/synthetic", "1.0.0",
+    "Renders a printed sheet that moves and bends without stretching, with exact ground truth.")

@@ -57,20 +57,22 @@ class TrueMatches final : public Source {
       .uses_truth = true};
 
   explicit TrueMatches(Params& p) {
-    p.component("frames", frames_, "source of the frames and of their truth");
+    p.component("frames", frames_, "source of the frames and of their ground truth");
     p.choice("places", places_, {{"drawn", Places::drawn}, {"true_points", Places::true_points}},
-             "drawn evenly over the surface, or one match at each true point");
+             "positions of the matches; drawn: evenly over the surface; true_points: one match at "
+             "each true point");
     p.read("matches", matches_, "", {0, 100000},
-           "for drawn: matches of a frame, evenly over what is seen");
-    p.read("noise_px", noise_px_, "px", {0.0, 1000.0}, "sigma along u and v of the image points");
+           "number of matches per frame, evenly over the visible surface; for drawn");
+    p.read("noise_px", noise_px_, "px", {0.0, 1000.0},
+           "standard deviation, along u and v, of the image points");
     p.read("covered", covered_, "", {0.0, 1.0},
-           "share of the object, from one side, that something grey lies over");
+           "share of the object that a grey occluder covers, from one side");
     p.read("focal_error", focal_error_, "", {-0.9, 10.0},
-           "stated focal length over the true one, less 1");
+           "reported focal length divided by the true one, minus 1");
     p.read("center_error_px", center_error_px_, "px", {-10000.0, 10000.0},
-           "stated principal point less the true one, along u and along v");
+           "reported principal point minus the true one, along u and along v");
     p.read("seed", seed_, "", {0, 9e15},
-           "chooses matches, noise and the covered side; the run's seed does not matter");
+           "seed of matches, noise and covered side, independent of the run's seed");
   }
 
   Result<Camera> open(const Call& call) override {

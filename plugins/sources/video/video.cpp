@@ -21,26 +21,30 @@ class Video final : public Source {
   static constexpr About kAbout{.produces = "image time"};
 
   explicit Video(Params& p) {
-    p.input_path("path", path_, "video file, of any format that FFmpeg reads");
-    p.read("device", device_, "", {-1, 1023}, "or a camera: N of /dev/videoN; -1 for none");
+    p.input_path("path", path_, "video file, in any format that FFmpeg reads");
+    p.read("device", device_, "", {-1, 1023},
+           "camera that replaces a file: N of /dev/videoN; -1: none");
     p.text("address", address_,
-           "or what a camera sends: rtsp://..., a pipe, or a pipeline of GStreamer to appsink");
-    p.input_path(
-        "camera", camera_path_,
-        "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info; auto: the "
-        "focal length is assumed, and the run says so; without it each frame does",
-        Need::optional, {"auto"});
+           "stream that replaces a file: rtsp://..., a pipe, or a GStreamer pipeline to appsink");
+    p.input_path("camera", camera_path_,
+                 "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info; auto: "
+                 "assumed focal length, with a warning for the run; empty: assumed focal length, "
+                 "with a warning for each frame",
+                 Need::optional, {"auto"});
     cameras::declare(p, focal_);
-    p.read("start_s", start_s_, "s", {0.0, 1e6}, "skip what is earlier than this");
-    p.read("step", step_, "", {1, 1'000'000}, "take every step-th frame");
-    p.read("max_frames", max_frames_, "", {0, 1'000'000'000}, "stop after so many; 0 for all");
-    p.read("fps", fps_, "1/s", {0.0, 10'000.0}, "frames a second asked of a device; 0: its own");
+    p.read("start_s", start_s_, "s", {0.0, 1e6}, "time before which frames are skipped");
+    p.read("step", step_, "", {1, 1'000'000}, "interval of the frames that are used");
+    p.read("max_frames", max_frames_, "", {0, 1'000'000'000}, "maximum number of frames; 0: all");
+    p.read("fps", fps_, "1/s", {0.0, 10'000.0},
+           "frame rate requested from a device; 0: its default");
     p.read("exposure_ms", exposure_ms_, "ms", {0.0, 10'000.0},
-           "exposure asked of a device; 0: its own");
-    p.read("patience_s", patience_s_, "s", {0.0, 86'400.0},
-           "how long a camera that gives no frame is tried again");
+           "exposure time requested from a device; 0: its default");
+    p.formerly("patience_s")
+        .read("timeout_s", patience_s_, "s", {0.0, 86'400.0},
+              "maximum time without frames before a camera is given up");
     p.read("longest_px", longest_px_, "px", {0, 65'535},
-           "scale frames down until no side is longer, and the camera with them; 0: as they are");
+           "maximum length of a frame side; larger frames are scaled down, with their camera; 0: "
+           "no limit");
   }
 
   /// A camera is not opened, and where 'start_s' leads is not decoded.

@@ -22,17 +22,18 @@ class FrexSheet final : public TemplateBuilder {
   explicit FrexSheet(Params& p) {
     p.read("width_mm", spec_.width_mm, "mm", {20.0, 2000.0}, "width of the paper");
     p.read("height_mm", spec_.height_mm, "mm", {20.0, 2000.0}, "height of the paper");
-    p.read("count", spec_.count, "", {1, 250}, "markers");
+    p.read("count", spec_.count, "", {1, 250}, "number of markers");
     p.read("marker_mm", spec_.marker_mm, "mm", {4.0, 500.0}, "side of a marker");
-    p.read("gap_mm", spec_.gap_mm, "mm", {1.0, 500.0}, "least white between two markers");
-    p.read("margin_mm", spec_.margin_mm, "mm", {0.0, 500.0}, "least white along the edges");
-    p.read("seed", spec_.seed, "", {0, 1e15}, "chooses the places");
+    p.read("gap_mm", spec_.gap_mm, "mm", {1.0, 500.0}, "minimum white gap between two markers");
+    p.read("margin_mm", spec_.margin_mm, "mm", {0.0, 500.0},
+           "minimum white margin along the edges");
+    p.read("seed", spec_.seed, "", {0, 1e15}, "seed of the marker positions");
     p.choice("dictionary", dictionary_,
              {{"5x5_250", Dictionary::five_by_five}, {"4x4_250", Dictionary::four_by_four}},
              "ArUco dictionary");
-    p.read("px_per_mm", px_per_mm_, "px/mm", {1, 40}, "texels in a millimetre; 12 is 304.8 dpi");
-    p.read("columns", columns_, "", {2, 2000}, "vertices along the width");
-    p.read("rows", rows_, "", {2, 2000}, "vertices along the height");
+    p.read("px_per_mm", px_per_mm_, "px/mm", {1, 40}, "resolution of the texture; 12 is 304.8 dpi");
+    p.read("columns", columns_, "", {2, 2000}, "number of vertices along the width");
+    p.read("rows", rows_, "", {2, 2000}, "number of vertices along the height");
   }
 
   void check(Mistakes& mistakes) const {
@@ -101,5 +102,6 @@ class FrexSheet final : public TemplateBuilder {
 }  // namespace weft::frex_sheet
 
 using weft::frex_sheet::FrexSheet;
-WEFT_PLUGIN(FrexSheet, "templates/frex_sheet", "1.0.0",
-            "A sheet of paper with ArUco markers at random places, to be printed and filmed.")
+WEFT_PLUGIN(
+    FrexSheet, "templates/frex_sheet", "1.0.0",
+    "Makes a sheet of paper with ArUco markers at random positions, for printing and filming.")

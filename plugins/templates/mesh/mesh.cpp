@@ -36,26 +36,28 @@ class MeshTemplate final : public TemplateBuilder {
       .licence = "GPL-3.0-or-later"};  // CGAL's parameterization and meshes
 
   explicit MeshTemplate(Params& p) {
-    p.input_path("mesh", mesh_path_, "the object at rest, OBJ or PLY", Need::required);
-    p.input_path("texture", texture_path_, "picture of its surface", Need::required);
-    p.read("unit_m", unit_m_, "m", {1e-9, 1e6}, "the file's unit of length; 0.001: millimetres");
+    p.input_path("mesh", mesh_path_, "mesh file of the object at rest, OBJ or PLY", Need::required);
+    p.input_path("texture", texture_path_, "image of the object's surface", Need::required);
+    p.read("unit_m", unit_m_, "m", {1e-9, 1e6},
+           "length of one unit of the mesh file; 0.001: millimetres");
     p.choice("coordinates", coordinates_,
              {{"file", Coordinates::file}, {"flattened", Coordinates::flattened}},
-             "texture coordinates: the file's, or those of the surface laid flat, over which the "
-             "picture reaches from edge to edge");
+             "source of the texture coordinates; file: the mesh file; flattened: the surface laid "
+             "flat, which the texture covers from edge to edge");
     p.choice("texel_origin", texel_origin_,
              {{"edge", TexelOrigin::edge}, {"centre", TexelOrigin::centre}},
-             "where texture coordinate 0 is: the outer edge or the centre of the first texel");
+             "position of texture coordinate 0; edge: outer edge of the first texel; centre: "
+             "centre of the first texel");
     p.choice("flip", flip_,
              {{"none", Flip::none},
               {"u", Flip::u},
               {"v", Flip::v},
               {"both", Flip::both},
               {"space", Flip::space}},
-             "what is turned of a mesh that came mirrored: its texture coordinates left to right "
-             "(u), upside down (v) or both; its x axis (space)");
+             "correction of a mirrored mesh; u: texture coordinates left to right; v: texture "
+             "coordinates upside down; both: u and v; space: x axis");
     p.read("vertices", vertices_, "", {0, 250000},
-           "of the mesh, about, to which the file's surface is meshed anew; 0: the file's");
+           "approximate number of vertices after remeshing; 0: mesh of the file");
   }
 
   /// The surface is not flattened here, which may take long.
@@ -238,4 +240,4 @@ class MeshTemplate final : public TemplateBuilder {
 
 using weft::mesh::MeshTemplate;
 WEFT_PLUGIN(MeshTemplate, "templates/mesh", "1.1.0",
-            "A surface of any shape from an OBJ or PLY file and its texture picture.")
+            "Reads a surface of any shape from an OBJ or PLY file and its texture image.")

@@ -32,25 +32,28 @@ class OutlineTemplate final : public TemplateBuilder {
   explicit OutlineTemplate(Params& p) {
     p.input_path("photo", photo_path_, "photograph of the object, flat, on a plain background",
                  Need::required);
-    p.input_path("mask", mask_path_, "picture that is light where the object is");
+    p.input_path("mask", mask_path_, "mask image that is light where the object is");
     p.read("threshold", threshold_, "L*a*b*", {0.0, 200.0},
-           "colour distance from the background that makes the object; 0: found by Otsu's method");
+           "colour distance from the background above which a pixel belongs to the object; 0: "
+           "found by Otsu's method");
     p.read("smallest_hole", smallest_hole_, "share of the area in the outline", {0.0, 1.0},
-           "smaller holes are filled; 1: all");
-    p.read("length_m", length_m_, "m", {1e-6, 1000.0}, "a known length of the object",
+           "area below which a hole is filled; 1: all holes are filled");
+    p.read("length_m", length_m_, "m", {1e-6, 1000.0}, "known length of the object",
            Need::required);
-    p.choice("length_of", measured_,
-             {{"width", Measured::width},
-              {"height", Measured::height},
-              {"longest", Measured::longest},
-              {"picture", Measured::picture}},
-             "what that is: width or height of the object in the photograph, the largest distance "
-             "of two of its points, or the width of the whole photograph");
+    p.choice(
+        "length_of", measured_,
+        {{"width", Measured::width},
+         {"height", Measured::height},
+         {"longest", Measured::longest},
+         {"picture", Measured::picture}},
+        "dimension that length_m gives; width, height: of the object in the photograph; longest: "
+        "largest distance between two of its points; picture: width of the whole photograph");
     p.read("spacing_mm", spacing_mm_, "mm", {0.0, 1e6},
-           "length of the mesh's edges; 0: as 'vertices' asks");
-    p.read("vertices", vertices_, "", {3, 100000}, "of the mesh, about, where spacing_mm is 0");
+           "length of the mesh edges; 0: derived from 'vertices'");
+    p.read("vertices", vertices_, "", {3, 100000},
+           "approximate number of mesh vertices if spacing_mm is 0");
     p.read("smoothing_rounds", smoothing_rounds_, "", {0, 1000},
-           "that even out the mesh; 0: the refined mesh as it is");
+           "number of rounds that smooth the mesh; 0: refined mesh without smoothing");
   }
 
   void check(Mistakes& mistakes) const {
@@ -119,7 +122,7 @@ class OutlineTemplate final : public TemplateBuilder {
       return single_object(grey, smallest_hole_);
     }
     if (photo.has_alpha) return single_object(photo.mask, smallest_hole_);
-    const auto mask = stands_out(photo.pixels, threshold_);
+    const auto mask = foreground_of(photo.pixels, threshold_);
     if (!mask) return mask.error();
     return single_object(*mask, smallest_hole_);
   }
@@ -201,5 +204,6 @@ class OutlineTemplate final : public TemplateBuilder {
 }  // namespace weft::outline
 
 using weft::outline::OutlineTemplate;
-WEFT_PLUGIN(OutlineTemplate, "templates/outline", "1.0.1",
-            "A flat object of any outline, from one photograph on a plain background.")
+WEFT_PLUGIN(
+    OutlineTemplate, "templates/outline", "1.0.1",
+    "Makes a template of a flat object of any outline from a photograph on a plain background.")

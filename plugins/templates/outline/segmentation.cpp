@@ -77,7 +77,7 @@ void fill_holes_below(double share, cv::Mat& mask) {
 
 }  // namespace
 
-Result<cv::Mat> stands_out(const cv::Mat& photo, double threshold) {
+Result<cv::Mat> foreground_of(const cv::Mat& photo, double threshold) {
   if (std::min(photo.rows, photo.cols) < 5) return nothing_found();
   const cv::Mat3f lab = to_lab(photo);
   const cv::Mat1b distances = distances_from(lab, border_colour(lab));

@@ -10,7 +10,7 @@ namespace weft::outline {
 /// from that of the background than `threshold` (CIE 1976 distance in L*a*b*), 0 elsewhere. The
 /// background's colour is the median of a frame of two pixels along the border. Threshold 0 stands
 /// for Otsu's, which divides the distances best into two classes. Fails where nothing stands out.
-Result<cv::Mat> stands_out(const cv::Mat& photo, double threshold);
+Result<cv::Mat> foreground_of(const cv::Mat& photo, double threshold);
 
 /// The largest connected part of a mask [H,W] of 0 and 1, after an opening and a closing of 3 x 3,
 /// with holes below `smallest_hole`, a share of the area in its outline, filled. Fails where

@@ -50,27 +50,28 @@ class PhotoTemplate final : public TemplateBuilder {
           "17(2) (2007); Grompone von Gioi et al., LSD: a line segment detector, IPOL 2 (2012)"};
 
   explicit PhotoTemplate(Params& p) {
-    p.input_path("photo", photo_path_, "photograph of the whole sheet, flat", Need::required);
-    p.read("width_m", width_m_, "m", {1e-6, 1000.0}, "width of the sheet as it is read",
+    p.input_path("photo", photo_path_, "photograph of the whole surface, flat", Need::required);
+    p.read("width_m", width_m_, "m", {1e-6, 1000.0}, "width of the surface in reading orientation",
            Need::required);
-    p.input_path(
-        "camera", camera_path_,
-        "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info; without "
-        "one the focal length is guessed");
+    p.input_path("camera", camera_path_,
+                 "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info; "
+                 "without it the focal length is guessed");
     p.read("height_m", height_m_, "m", {0.0, 1000.0},
-           "height of the sheet; 0: as the corners and the camera say");
-    p.read(
-        "corners", corners_, "px", {},
-        "x, y of the top left, top right, bottom right and bottom left corner in the photograph; "
-        "none: they are found");
-    p.read("columns", columns_, "", {0, kMostAlongSide}, "vertices along the width; 0: proposed");
-    p.read("rows", rows_, "", {0, kMostAlongSide}, "vertices along the height; 0: proposed");
+           "height of the surface; 0: derived from the corners and the camera");
+    p.read("corners", corners_, "px", {},
+           "x, y of the top left, top right, bottom right and bottom left corner in the "
+           "photograph; empty: detected");
+    p.read("columns", columns_, "", {0, kMostAlongSide},
+           "number of vertices along the width; 0: proposed automatically");
+    p.read("rows", rows_, "", {0, kMostAlongSide},
+           "number of vertices along the height; 0: proposed automatically");
     p.read("texture_px", texture_px_, "px", {0, 8192},
-           "longer side of the texture; 0: as the photograph shows it, at most 1600");
-    p.component("detector", detector_, "whose keypoints say how fine a proposed mesh is");
-    p.output_path("drawing", drawing_path_, "PNG of the photograph with corners and mesh");
+           "longer side of the texture; 0: as in the photograph, at most 1600");
+    p.component("detector", detector_,
+                "detector whose keypoints determine the resolution of a proposed mesh");
+    p.output_path("drawing", drawing_path_, "PNG file of the photograph with corners and mesh");
     p.output_path("corners_page", page_path_,
-                  "HTML page on which the corners are moved by hand, also where none are found");
+                  "HTML page for moving the corners by hand, written even if none are found");
   }
 
   void check(Mistakes& mistakes) const {
@@ -150,12 +151,12 @@ class PhotoTemplate final : public TemplateBuilder {
                               double times) {
       return a && (!b || signed_area_px2(a->corners_px) > times * signed_area_px2(b->corners_px));
     };
-    const auto held = find_sheet(straight, Missing::to_hands);
-    if (found && !is_larger(held, found, kFarMore)) return found;
+    const auto in_hands = find_sheet(straight, Missing::to_hands);
+    if (found && !is_larger(in_hands, found, kFarMore)) return found;
     photo = std::move(straight);
     auto at_border = find_sheet(photo, Missing::one_side);
-    if (is_larger(at_border, held, kMore)) return at_border;
-    return held ? held : wrong(found.error().message);
+    if (is_larger(at_border, in_hands, kMore)) return at_border;
+    return in_hands ? in_hands : wrong(found.error().message);
   }
 
   /// By the corners that are given, or found.
@@ -332,4 +333,4 @@ class PhotoTemplate final : public TemplateBuilder {
 
 using weft::photo::PhotoTemplate;
 WEFT_PLUGIN(PhotoTemplate, "templates/photo", "1.0.0",
-            "A flat rectangular sheet from one photograph of it.")
+            "Makes a template of a flat rectangular surface from a photograph.")

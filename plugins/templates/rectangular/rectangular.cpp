@@ -24,16 +24,17 @@ class Rectangular final : public TemplateBuilder {
           "paper: Shetab-Bushehri et al., ROBUSfT, arXiv:2301.04037 (2023), section on templates"};
 
   explicit Rectangular(Params& p) {
-    p.input_path("texture", texture_path_, "image of the flat sheet, from edge to edge",
+    p.input_path("texture", texture_path_, "image of the flat surface, from edge to edge",
                  Need::required);
-    p.read("width_m", width_m_, "m", {1e-6, 1000.0}, "width of what the texture shows",
+    p.read("width_m", width_m_, "m", {1e-6, 1000.0}, "width of the area that the texture shows",
            Need::required);
-    p.read("height_m", height_m_, "m", {0.0, 1000.0}, "height of the sheet; 0: texels are square");
-    p.read("columns", columns_, "", {2, 2000}, "vertices along the width");
-    p.read("rows", rows_, "", {2, 2000}, "vertices along the height");
+    p.read("height_m", height_m_, "m", {0.0, 1000.0}, "height of the surface; 0: square texels");
+    p.read("columns", columns_, "", {2, 2000}, "number of vertices along the width");
+    p.read("rows", rows_, "", {2, 2000}, "number of vertices along the height");
     p.choice("texel_origin", texel_origin_,
              {{"edge", TexelOrigin::edge}, {"centre", TexelOrigin::centre}},
-             "where texture coordinate 0 is: the outer edge or the centre of the first texel");
+             "position of texture coordinate 0; edge: outer edge of the first texel; centre: "
+             "centre of the first texel");
   }
 
   void check(Mistakes& mistakes) const {
@@ -96,4 +97,4 @@ class Rectangular final : public TemplateBuilder {
 
 using weft::rectangular::Rectangular;
 WEFT_PLUGIN(Rectangular, "templates/rectangular", "1.0.0",
-            "A flat rectangular sheet that its texture fills, as a regular mesh.")
+            "Makes a regular mesh of a flat rectangular surface that its texture fills.")

@@ -34,26 +34,33 @@ class Bbs final : public weft::WarpModel {
       .reads = "weights"};
 
   explicit Bbs(weft::Params& p) {
-    p.read("control_u", control_u_, "", {4, 100}, "control points along the domain's width");
-    p.read("control_v", control_v_, "", {4, 100}, "control points along the domain's height");
+    p.read("control_u", control_u_, "", {4, 100},
+           "number of control points along the domain's width");
+    p.read("control_v", control_v_, "", {4, 100},
+           "number of control points along the domain's height");
     p.read("margin_px", margin_px_, "px of the texture", {0, 1e4},
-           "the domain is the box of the object in the texture and this around it");
-    p.choice("smoothing", smoothing_,
-             {{"paper_px2", Smoothing::paper_px2}, {"dimensionless", Smoothing::dimensionless}},
-             "which of lambda_px2 and lambda weighs the bending energy");
+           "width of the border that the domain adds to the object's box in the texture");
+    p.choice(
+        "smoothing", smoothing_,
+        {{"paper_px2", Smoothing::paper_px2}, {"dimensionless", Smoothing::dimensionless}},
+        "parameter that sets the bending weight; paper_px2: lambda_px2; dimensionless: lambda");
     p.read("lambda_px2", lambda_px2_, "px^2 of the texture", {0, 1e15},
-           "for paper_px2: depends on the size of the texture");
+           "bending weight for paper_px2; depends on the size of the texture");
     p.read("lambda", lambda_, "", {0, 1e9},
-           "for dimensionless: in areas of a knot cell; 0.001 interpolates, 1 is stiff");
-    p.read("scale_with_count", scale_with_count_, "smoothing times (number of matches) / 200");
-    p.read("ridge", ridge_, "", {0, 1}, "pull to the affine map, times the largest diagonal");
+           "bending weight for dimensionless, in areas of a knot cell; 0.001 interpolates, 1 is "
+           "stiff");
+    p.read("scale_with_count", scale_with_count_,
+           "multiplication of the bending weight by (number of matches) / 200");
+    p.read("ridge", ridge_, "", {0, 1},
+           "weight of the pull to the affine map, relative to the largest diagonal element");
     p.choice(
         "robust", robust_,
         {{"off", Robust::off}, {"tukey", Robust::tukey}, {"geman_mcclure", Robust::geman_mcclure}},
-        "refit with less weight on matches that fit badly");
-    p.read("tukey_refits", tukey_refits_, "", {1, 100}, "for tukey: how many");
-    p.read("scales_px", scales_px_, "px", {0.01, 1e4},
-           "for geman_mcclure: one refit for each s, with weights (s^2 / (s^2 + r^2))^2");
+        "refits with less weight on matches of large residual; off: none");
+    p.read("tukey_refits", tukey_refits_, "", {1, 100}, "number of refits; for tukey");
+    p.read(
+        "scales_px", scales_px_, "px", {0.01, 1e4},
+        "scales s of the refits, one each, with weights (s^2 / (s^2 + r^2))^2; for geman_mcclure");
   }
 
   weft::Result<weft::Warp> fit(const weft::FitInput& in) override;
@@ -177,4 +184,4 @@ weft::Warp Bbs::make_warp(const SplinePenalty& penalty) {
 }  // namespace
 
 WEFT_PLUGIN(Bbs, "warps/bbs", "1.2.0",
-            "Bicubic B-spline warp, fitted by least squares with a bending penalty.")
+            "Fits a bicubic B-spline warp by least squares with a bending penalty.")

@@ -36,19 +36,21 @@ class Tps final : public weft::WarpModel {
       .reads = "weights"};
 
   explicit Tps(weft::Params& p) {
-    p.choice("centres", centres_, {{"grid", Centres::grid}, {"matches", Centres::matches}},
-             "where the spline's centres are: on a grid, or one at each match");
-    p.read("grid_u", grid_u_, "", {2, 40}, "centres along the domain's width");
-    p.read("grid_v", grid_v_, "", {2, 40}, "centres along the domain's height");
+    p.choice(
+        "centres", centres_, {{"grid", Centres::grid}, {"matches", Centres::matches}},
+        "positions of the spline's centres; grid: on a regular grid; matches: one at each match");
+    p.read("grid_u", grid_u_, "", {2, 40}, "number of centres along the domain's width");
+    p.read("grid_v", grid_v_, "", {2, 40}, "number of centres along the domain's height");
     p.read("most_matches", most_matches_, "", {3, 5000},
-           "for matches: with more of them the grid is used");
+           "number of matches above which the grid replaces centres at matches");
     p.read("margin_px", margin_px_, "px of the texture", {0, 1e4},
-           "the domain is the box of the object in the texture and this around it");
+           "width of the border that the domain adds to the object's box in the texture");
     p.choice("smoothing", smoothing_,
              {{"fixed", Smoothing::fixed}, {"leave_one_out", Smoothing::leave_one_out}},
-             "whether lambda is given, or the best between 1e-8 and 10 by cross-validation");
+             "choice of the bending weight; fixed: lambda; leave_one_out: the best value between "
+             "1e-8 and 10 by cross-validation");
     p.read("lambda", lambda_, "", {0, 1e9},
-           "for fixed: of the bending energy, for each match; 0 interpolates, 1 is stiff");
+           "bending weight per match, for fixed; 0 interpolates, 1 is stiff");
   }
 
   weft::Result<weft::Warp> fit(const weft::FitInput& in) override;
@@ -221,4 +223,5 @@ weft::Result<weft::WarpSamples> Tps::evaluate(const weft::EvaluateInput& in) {
 
 }  // namespace
 
-WEFT_PLUGIN(Tps, "warps/tps", "1.2.0", "Thin-plate spline warp, exact or with centres on a grid.")
+WEFT_PLUGIN(Tps, "warps/tps", "1.2.0",
+            "Fits a thin-plate spline warp, exact or with centres on a grid.")

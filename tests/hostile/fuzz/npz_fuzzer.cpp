@@ -101,7 +101,7 @@ void require_same_written(const host::NamedRecords& records) {
   fs::remove_all(folder);
 }
 
-void require_told(const Error& error, const std::string& path) {
+void require_reported(const Error& error, const std::string& path) {
   require(!error.message.empty(), "a message");
   require(error.where == path || error.message.starts_with(path + ": "), "the file",
           error.where + " " + error.message);
@@ -116,18 +116,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto any = host::read_npz(input.path(), host::NpzCheck::none);
   const auto records = host::read_npz(input.path());
   require(any || !records, "what the catalogue allows can be read");
-  if (!any) require_told(any.error(), input.path());
-  if (!records) require_told(records.error(), input.path());
+  if (!any) require_reported(any.error(), input.path());
+  if (!records) require_reported(records.error(), input.path());
   if (records && !records->empty()) require_same_written(*records);
   const auto truth = sources::TruthArchive::read(input.path());
   if (!truth) {
-    require_told(truth.error(), input.path());
+    require_reported(truth.error(), input.path());
   } else if (const auto typed = truth->truth(); !typed) {
-    require_told(typed.error(), input.path());
+    require_reported(typed.error(), input.path());
   }
   const auto cloud = sources::read_npz_cloud(input.path(), 0.001);
   if (!cloud) {
-    require_told(cloud.error(), input.path());
+    require_reported(cloud.error(), input.path());
   } else if (*cloud) {
     require(!(**cloud).points_m.empty(), "a point");
     for (const auto& point : (**cloud).points_m) {

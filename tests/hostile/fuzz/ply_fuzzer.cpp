@@ -10,7 +10,7 @@ using namespace weft;
 using fuzzing::require;
 
 /// "path:LINE: ...", "path: ends in ELEMENT ..." or "path: ELEMENT 12: ..."
-void require_told(const Error& error, const std::string& path, std::string_view text) {
+void require_reported(const Error& error, const std::string& path, std::string_view text) {
   require(error.code == Errc::invalid_data, "invalid data", error.message);
   require(error.message.starts_with(path + ":"), "the file", error.message);
   if (error.message.substr(path.size()).starts_with(": ")) return;
@@ -27,11 +27,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzzing::require_legal(*file);
     fuzzing::require_same_printed(*file);
   } else {
-    require_told(file.error(), input.path(), text);
+    require_reported(file.error(), input.path(), text);
   }
   const auto cloud = sources::read_ply_cloud(input.path(), 0.001);
   if (!cloud) {
-    require_told(cloud.error(), input.path(), text);
+    require_reported(cloud.error(), input.path(), text);
     return 0;
   }
   require(!cloud->points_m.empty(), "a point");

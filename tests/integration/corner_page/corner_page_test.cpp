@@ -60,7 +60,7 @@ class CornerPageOfTheCommand : public PipelineTest {
   }
 };
 
-TEST_F(CornerPageOfTheCommand, StandsBesideTheFolderThatIsNotMade) {
+TEST_F(CornerPageOfTheCommand, IsWrittenBesideTheFolderThatIsNotMade) {
   const Ended refused = make(plain_photo(), "poster");
   EXPECT_EQ(refused.exit_code, 2) << refused.out;
   const std::string page = path("poster_corners.html");

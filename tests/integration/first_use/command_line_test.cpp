@@ -83,6 +83,7 @@ TEST_F(CommandLine, HasOneWordingForAFileThatIsNotThere) {
   for (const std::vector<std::string>& command :
        std::vector<std::vector<std::string>>{{"run", "none.yaml"},
                                              {"check", "none.yaml"},
+                                             {"migrate", "none.yaml"},
                                              {"ablate", "none.yaml"},
                                              {"bench", "none.yaml"},
                                              {"live", "none.yaml"},

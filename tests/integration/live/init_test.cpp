@@ -35,7 +35,7 @@ TEST_F(Init, MakesAFolderWithALegalPipelineOfAPicture) {
   expect_legal();
 }
 
-TEST_F(Init, TellsEditorsOfASchemaThatStandsBesideThePipeline) {
+TEST_F(Init, PointsEditorsToASchemaBesideThePipeline) {
   const Ended ended = weft({"init", "mine", "--picture", WEFT_TEXTURE, "--width", "0.297",
                             "--device", "0", "--camera", ""});
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
@@ -55,7 +55,7 @@ TEST_F(Init, AsksForWhatIsNotGiven) {
   expect_legal();
 }
 
-TEST_F(Init, SaysWhatIsMissingWhereThereIsNobodyToAsk) {
+TEST_F(Init, ReportsWhatIsMissingWithoutATerminal) {
   const Ended ended = weft(R"("$0" "$@" < /dev/null)", {"init", "mine"});
   EXPECT_EQ(ended.exit_code, 2);
   EXPECT_THAT(ended.err, HasSubstr("--picture: is missing"));

@@ -37,11 +37,11 @@ class Live(unittest.TestCase):
         self.folder = Path(scratch.name)
         # Held to the end, so that nobody else is given the port; the program may share it, as long as
         # nobody listens at this one.
-        self.held = socket.socket()
-        self.addCleanup(self.held.close)
-        self.held.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        self.held.bind(("127.0.0.1", 0))
-        self.address = f"127.0.0.1:{self.held.getsockname()[1]}"
+        self.reserved = socket.socket()
+        self.addCleanup(self.reserved.close)
+        self.reserved.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self.reserved.bind(("127.0.0.1", 0))
+        self.address = f"127.0.0.1:{self.reserved.getsockname()[1]}"
 
     def start(self, *more: str, browser: bool = False, **variables: str) -> subprocess.Popen:
         environment = {name: value for name, value in os.environ.items()
@@ -119,7 +119,7 @@ class Live(unittest.TestCase):
         with Viewer(self.port()) as watching:
             watching.frame()
             pausing = Viewer(self.port())
-            self.assertEqual(pausing.wish("pause")["refusal"], "")
+            self.assertEqual(pausing.request("pause")["refusal"], "")
             pausing.link.close()
             said: dict = {}
             while said.get("type") != "pause" or said["paused"]:
@@ -211,7 +211,7 @@ class Live(unittest.TestCase):
         self.assertIn("weft calibrate --camera", err)
 
     def test_a_taken_port_is_an_error_that_says_what_to_do(self) -> None:
-        self.held.listen()
+        self.reserved.listen()
         live = self.start("--demo")
         out, err = live.communicate(timeout=PATIENCE_S)
         self.assertNotEqual(live.returncode, 0, out)

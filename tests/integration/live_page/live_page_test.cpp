@@ -27,7 +27,7 @@ void run_script(const std::string& script) {
   EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
 }
 
-TEST(LivePage, ReadsFramesAndMakesWordsControlsAndWishesOfThem) {
+TEST(LivePage, ReadsFramesAndMakesWordsControlsAndChangeRequestsOfThem) {
   if (const auto file = absent({WEFT_WEB "/node_modules/three", "/usr/bin/node"}); !file.empty()) {
     GTEST_SKIP() << file << " is absent: install npm, run scripts/bootstrap.sh";
   }

@@ -71,7 +71,7 @@ const filters = {
       minimum: 0,
       maximum: 1,
     }),
-    parameter("filters.radius_px", "f64", 60, "neighbourhood on the template", {
+    parameter("filters.radius_px", "f64", 60, "radius of the neighbourhood on the template", {
       unit: "px",
       minimum: 0,
     }),

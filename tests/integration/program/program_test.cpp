@@ -113,8 +113,8 @@ TEST_F(Program, SuggestsTheCommandThatIsMeant) {
   EXPECT_EQ(refusal({"plugins", "shwo"}), "error: no command 'shwo'; did you mean 'show'?\n");
   EXPECT_EQ(
       refusal({"frobnicate"}),
-      "error: no command 'frobnicate'; there are: run, track, init, live, check, eval, ablate, "
-      "compare, data, plugins, replay, bench, doctor, records, metrics, report, template, "
+      "error: no command 'frobnicate'; there are: run, track, init, live, check, migrate, eval, "
+      "ablate, compare, data, plugins, replay, bench, doctor, records, metrics, report, template, "
       "calibrate, schema, completion, manual\n");
   EXPECT_THAT(refusal({"run", "x.yaml", "y.yaml"}), HasSubstr("y.yaml"));
   EXPECT_THAT(refusal({"--frob", "check"}), HasSubstr("weft check has no option '--frob'"));

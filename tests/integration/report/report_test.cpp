@@ -354,7 +354,7 @@ void split_by_light(const FakeResults& fake) {
   fake.write("plan.json", plan);
 }
 
-TEST(Report, TakesAVerdictApartByTheOtherAxes) {
+TEST(Report, SplitsAVerdictByTheOtherAxes) {
   FakeResults::Choice ten;
   ten.sequences = 10;
   FakeResults fake(ten);
@@ -362,10 +362,10 @@ TEST(Report, TakesAVerdictApartByTheOtherAxes) {
   const ReportTables tables = tables_of(read(fake));
   ASSERT_EQ(tables.comparisons.size(), 1U);
   const ComparisonResult& comparison = tables.comparisons.front();
-  ASSERT_EQ(comparison.apart.size(), 1U) << "alpha is swept: it has a figure instead";
-  EXPECT_EQ(comparison.apart[0].axis, "light");
-  EXPECT_EQ(comparison.apart[0].values, (std::vector<std::string>{"day", "night"}));
-  for (const ComparisonTable& table : comparison.apart[0].tables) {
+  ASSERT_EQ(comparison.separate.size(), 1U) << "alpha is swept: it has a figure instead";
+  EXPECT_EQ(comparison.separate[0].axis, "light");
+  EXPECT_EQ(comparison.separate[0].values, (std::vector<std::string>{"day", "night"}));
+  for (const ComparisonTable& table : comparison.separate[0].tables) {
     ASSERT_EQ(table.pairs.size(), 2U);
     // Every other sequence errs by 1 mm more; one frame of the first is missing.
     EXPECT_NEAR(table.pairs[0].test.mean, 0.5, 1e-9);

@@ -16,7 +16,7 @@
 
 namespace {
 
-enum class Deed {
+enum class Action {
   none,
   crash,
   abort,
@@ -80,10 +80,10 @@ void scribble() {
 
 /// A process that holds all files of this one for an hour; `apart`, in a session of its own and
 /// below another parent.
-void leave_a_process(const std::string& name, bool apart) {
+void leave_a_process(const std::string& name, bool detached) {
   if (fork() != 0) return;
-  if (apart) setsid();
-  if (apart && fork() != 0) _exit(0);
+  if (detached) setsid();
+  if (detached && fork() != 0) _exit(0);
   prctl(PR_SET_NAME, name.c_str());
   std::this_thread::sleep_for(std::chrono::hours(1));
   _exit(0);
@@ -100,29 +100,29 @@ void print_much() {
 class Deadly final : public weft::Filter {
  public:
   explicit Deadly(weft::Params& p) {
-    p.choice("deed", deed_,
-             {{"none", Deed::none},
-              {"crash", Deed::crash},
-              {"abort", Deed::abort},
-              {"exit", Deed::exit},
-              {"kill", Deed::kill},
-              {"hang", Deed::hang},
-              {"obey", Deed::obey},
-              {"scribble", Deed::scribble},
-              {"log", Deed::log},
-              {"large", Deed::large},
-              {"fault", Deed::fault},
-              {"overflow", Deed::overflow},
-              {"terminate", Deed::terminate},
-              {"quit", Deed::quit},
-              {"spoil", Deed::spoil},
-              {"overread", Deed::overread},
-              {"leave", Deed::leave},
-              {"leave_session", Deed::leave_session},
-              {"fork_twice", Deed::fork_twice},
-              {"multiply", Deed::multiply},
-              {"print", Deed::print},
-              {"warn", Deed::warn}},
+    p.choice("deed", action_,
+             {{"none", Action::none},
+              {"crash", Action::crash},
+              {"abort", Action::abort},
+              {"exit", Action::exit},
+              {"kill", Action::kill},
+              {"hang", Action::hang},
+              {"obey", Action::obey},
+              {"scribble", Action::scribble},
+              {"log", Action::log},
+              {"large", Action::large},
+              {"fault", Action::fault},
+              {"overflow", Action::overflow},
+              {"terminate", Action::terminate},
+              {"quit", Action::quit},
+              {"spoil", Action::spoil},
+              {"overread", Action::overread},
+              {"leave", Action::leave},
+              {"leave_session", Action::leave_session},
+              {"fork_twice", Action::fork_twice},
+              {"multiply", Action::multiply},
+              {"print", Action::print},
+              {"warn", Action::warn}},
              "what it does");
     p.choice("where", where_,
              {{"process", Place::process}, {"create", Place::create}, {"prepare", Place::prepare}},
@@ -148,14 +148,14 @@ class Deadly final : public weft::Filter {
     if (where_ != Place::process) return mask;
     if (frame_ >= 0 && static_cast<std::uint64_t>(frame_) != in.call.frame()) return mask;
     act();
-    if (deed_ == Deed::spoil) *const_cast<std::uint8_t*>(in.correspondences.kept.data()) = 0;
-    if (deed_ == Deed::overread) read_at(in.correspondences.score.data() + n + 16);
-    for (int i = 0; deed_ == Deed::warn && i < 20'000; ++i) {
+    if (action_ == Action::spoil) *const_cast<std::uint8_t*>(in.correspondences.kept.data()) = 0;
+    if (action_ == Action::overread) read_at(in.correspondences.score.data() + n + 16);
+    for (int i = 0; action_ == Action::warn && i < 20'000; ++i) {
       in.call.log_warning("warning number " + std::to_string(i));
     }
-    if (deed_ == Deed::log) in.call.log_warning("so far so good");
-    if (deed_ == Deed::large) mask.diag.set("large", weft::Array<double>({5'000'000}, 0.0));
-    while (deed_ == Deed::obey) {
+    if (action_ == Action::log) in.call.log_warning("so far so good");
+    if (action_ == Action::large) mask.diag.set("large", weft::Array<double>({5'000'000}, 0.0));
+    while (action_ == Action::obey) {
       if (in.call.cancelled()) return weft::Error{weft::Errc::cancelled, "as you wish"};
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -164,36 +164,36 @@ class Deadly final : public weft::Filter {
 
  private:
   void act() const {
-    if (deed_ == Deed::none) return;
+    if (action_ == Action::none) return;
     std::printf("out it goes\n");
     std::fprintf(stderr, "these are\nlast words\n");
-    if (deed_ == Deed::crash) die_of(SIGSEGV);
-    if (deed_ == Deed::abort) die_of(SIGABRT);
-    if (deed_ == Deed::kill) die_of(SIGKILL);
-    if (deed_ == Deed::exit) _exit(7);
-    if (deed_ == Deed::scribble) scribble();
-    if (deed_ == Deed::leave || deed_ == Deed::leave_session) {
-      leave_a_process(child_, deed_ == Deed::leave_session);
+    if (action_ == Action::crash) die_of(SIGSEGV);
+    if (action_ == Action::abort) die_of(SIGABRT);
+    if (action_ == Action::kill) die_of(SIGKILL);
+    if (action_ == Action::exit) _exit(7);
+    if (action_ == Action::scribble) scribble();
+    if (action_ == Action::leave || action_ == Action::leave_session) {
+      leave_a_process(child_, action_ == Action::leave_session);
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       die_of(SIGABRT);
     }
-    if (deed_ == Deed::fork_twice && fork() == 0) prctl(PR_SET_NAME, child_.c_str());
-    while (deed_ == Deed::multiply) leave_a_process(child_, true);
-    if (deed_ == Deed::print) print_much();
-    if (deed_ == Deed::fault) write_where_nothing_is();
-    if (deed_ == Deed::overflow) {
+    if (action_ == Action::fork_twice && fork() == 0) prctl(PR_SET_NAME, child_.c_str());
+    while (action_ == Action::multiply) leave_a_process(child_, true);
+    if (action_ == Action::print) print_much();
+    if (action_ == Action::fault) write_where_nothing_is();
+    if (action_ == Action::overflow) {
       const volatile bool more = true;
       std::printf("%d", fill_the_stack(more));
     }
-    if (deed_ == Deed::terminate) std::thread([] { throw 1; }).join();
-    if (deed_ == Deed::quit) {
+    if (action_ == Action::terminate) std::thread([] { throw 1; }).join();
+    if (action_ == Action::quit) {
       static const InUse by_other_threads;
       std::exit(0);
     }
-    while (deed_ == Deed::hang) std::this_thread::sleep_for(std::chrono::hours(1));
+    while (action_ == Action::hang) std::this_thread::sleep_for(std::chrono::hours(1));
   }
 
-  Deed deed_ = Deed::none;
+  Action action_ = Action::none;
   Place where_ = Place::process;
   int frame_ = -1;
   std::string child_ = "test_left";

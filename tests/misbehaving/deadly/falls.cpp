@@ -11,16 +11,16 @@
 
 namespace {
 
-std::string deed() {
+std::string action() {
   const char* said = std::getenv("WEFT_FALLS");
   return said != nullptr ? said : "";
 }
 
 struct WhenLoaded {
   WhenLoaded() {
-    if (deed() == "fault") raise(SIGSEGV);
-    if (deed() == "exit") std::exit(0);
-    if (deed() == "print") std::printf("what nobody asked for");
+    if (action() == "fault") raise(SIGSEGV);
+    if (action() == "exit") std::exit(0);
+    if (action() == "print") std::printf("what nobody asked for");
   }
 };
 const WhenLoaded when_loaded;
@@ -28,8 +28,8 @@ const WhenLoaded when_loaded;
 class Falls final : public weft::Filter {
  public:
   explicit Falls(weft::Params&) {
-    if (deed() == "throw") throw std::runtime_error("no such table");
-    if (deed() == "leave") std::exit(7);
+    if (action() == "throw") throw std::runtime_error("no such table");
+    if (action() == "leave") std::exit(7);
   }
 
   static std::vector<std::string> devices() { return {"a device"}; }

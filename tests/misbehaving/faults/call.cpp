@@ -39,8 +39,8 @@ void* alloc(const weft_call* call, const char* slot, const char* type, const cha
   void* data = host.alloc(&passed.original, slot, type, array, dtype, ndim, output.shape.data());
   if (has("writes_to_null")) *static_cast<volatile unsigned char*>(data) = 0;
   if (data == nullptr && has("ok_without_memory")) {
-    passed.lent.emplace_back(output.bytes() + 64);
-    return passed.lent.back().data();
+    passed.replacements.emplace_back(output.bytes() + 64);
+    return passed.replacements.back().data();
   }
   output.data = static_cast<unsigned char*>(data);
   if (data != nullptr) remember(passed, std::move(output));

@@ -60,7 +60,7 @@ struct PassedCall {
   const weft_call& original;
   weft_host host;
   std::vector<Output> outputs;
-  std::vector<std::vector<unsigned char>> lent;  ///< in place of what the host refused
+  std::vector<std::vector<unsigned char>> replacements;  ///< in place of what the host refused
 };
 
 using Inputs = std::vector<weft_record>;

@@ -37,31 +37,31 @@ def undescribed(name: str, says: str) -> Case:
     return Case(name, [Ask("describe", says, 3)])
 
 
-def ending_when_loaded(name: str, probed: str, here: str, apart: str, **more: object) -> Case:
+def ending_when_loaded(name: str, probed: str, here: str, in_worker: str, **more: object) -> Case:
     """Ends the process that loads it: others report it, that of a run reports what ran."""
-    told = rf"filters \({ID}: load\), outside of the frames: {here}.*{TELLS}"
+    expected = rf"filters \({ID}: load\), outside of the frames: {here}.*{TELLS}"
     return Case(name, [
         Ask("describe", f"{probed}.*and rebuild it", 3),
         Ask("why", f"{probed}.*and rebuild it", 2),
         Ask("check", "ok, 6 stages", verdict="accepted: nothing is loaded"),
-        Ask("run", told, "fails", verdict="ended, told"),
-        Ask("isolated", f"{ID}: its worker {apart}", 2, verdict="ended apart, told")], **more)
+        Ask("run", expected, "fails", verdict="ended, told"),
+        Ask("isolated", f"{ID}: its worker {in_worker}", 2, verdict="ended apart, told")], **more)
 
 
-def calls(name: str, here: str, apart: str, **more: object) -> Case:
+def calls(name: str, here: str, in_worker: str, **more: object) -> Case:
     """Ends its process in frame 1: told by the run, and one frame where it has its own process."""
-    told = rf"filters \({ID}: filter\), frame 1: {here}.*{TELLS}"
+    expected = rf"filters \({ID}: filter\), frame 1: {here}.*{TELLS}"
     return Case(name, [
-        Ask("run", told, "fails", verdict="ended, told"),
-        Ask("isolated", f"frame 1 .*{ID}: its worker {apart}", 1, ONE_LOST, "one frame lost")],
+        Ask("run", expected, "fails", verdict="ended, told"),
+        Ask("isolated", f"frame 1 .*{ID}: its worker {in_worker}", 1, ONE_LOST, "one frame lost")],
         **more)
 
 
 def fails(name: str, says: str) -> Case:
     """Answers a call with an error, or what is one: it costs that frame."""
-    told = f"first error of filters: frame 1 .*{ID}: {says}"
-    return Case(name, [Ask("run", told, 1, ONE_LOST, "one frame lost"),
-                         Ask("isolated", told, 1, ONE_LOST, "one frame lost")])
+    expected = f"first error of filters: frame 1 .*{ID}: {says}"
+    return Case(name, [Ask("run", expected, 1, ONE_LOST, "one frame lost"),
+                         Ask("isolated", expected, 1, ONE_LOST, "one frame lost")])
 
 
 def with_check(sandbox: Sandbox) -> None:
@@ -194,8 +194,8 @@ OF_CALLS = [
                          ("prepare_status", "gave no reason for its status -5"))],
     *[Case(name, [Ask("run", rf"\({ID}: {what}\), outside of the frames: {here}.*{TELLS}",
                         "fails", verdict="ended, told"),
-                    Ask("isolated", f"{ID}: its worker {apart}", 2, verdict="ended apart, told")])
-      for name, what, here, apart in (
+                    Ask("isolated", f"{ID}: its worker {in_worker}", 2, verdict="ended apart, told")])
+      for name, what, here, in_worker in (
           ("create_crashes", "load", r"ended the process \(SIGSEGV", DIED.format(11)),
           ("create_exits", "load", r"called exit\(\)", "exited with status 0"),
           ("prepare_crashes", "prepare", r"ended the process \(SIGSEGV", DIED.format(11)),

@@ -117,7 +117,8 @@ std::int32_t spoil_outputs(PassedCall& passed, std::int32_t status, weft_error& 
   if (status != WEFT_OK && has("error_without_text")) error.message[0] = '\0';
   if (status != WEFT_OK && has("text_not_utf8")) error.message[0] = '\xFF';
   if (has("half_when_cancelled") && status == WEFT_CANCELLED) return WEFT_OK;
-  if (has("ok_without_memory") && status != WEFT_CANCELLED && !passed.lent.empty()) return WEFT_OK;
+  if (has("ok_without_memory") && status != WEFT_CANCELLED && !passed.replacements.empty())
+    return WEFT_OK;
   if (has("ok_in_place_of_warning") && (status == WEFT_DEGENERATE || status == WEFT_NO_RESULT)) {
     return WEFT_OK;
   }

@@ -115,8 +115,8 @@ class Matcher final : public weft::Matcher {
     float least = std::numeric_limits<float>::infinity();
     for (std::int64_t k = 0; k < templ.count(); ++k) {
       const Eigen::Map<const Eigen::RowVectorXf> offered(templ.descriptors.row(k), length);
-      const float apart = (wanted - offered).squaredNorm();
-      if (apart < least) least = apart, best = k;
+      const float distance2 = (wanted - offered).squaredNorm();
+      if (distance2 < least) least = distance2, best = k;
     }
     return best;
   }

@@ -40,7 +40,7 @@ struct Broken {
 
 class Laws : public ::testing::TestWithParam<Broken> {};
 
-TEST_P(Laws, AreToldByAComponentThatBreaksThem) {
+TEST_P(Laws, AreReportedForAComponentThatBreaksThem) {
   const auto [id, flaw, law] = GetParam();
   std::cout << "seed " << kContractSeed << '\n';
   const ContractReport report = geometry_of(id, "{flaw: " + std::string(flaw) + "}");

@@ -57,7 +57,7 @@ class Runs(Folder):
         self.write("metrics.json", {"frames": [
             {"frame": 0, "outcome": "missing"},
             {"frame": 2, "outcome": "solved", "reprojection_px": 0.5, "truth": {"mean_mm": 1.25}},
-            {"frame": 3, "outcome": "held", "reprojection_px": None, "truth": {"mean_mm": 9.0}}]})
+            {"frame": 3, "outcome": "carried_over", "reprojection_px": None, "truth": {"mean_mm": 9.0}}]})
 
     def test_have_frames_by_their_order_up_to_the_one_that_is_being_written(self):
         run = weft.open_run(self.folder)
@@ -203,7 +203,7 @@ class Results(Folder):
         self.assertEqual(results.unchecked, 0)
 
     @unittest.skipIf(xxhash is None, "python3-xxhash is missing")
-    def test_count_lines_of_which_nobody_can_tell(self):
+    def test_count_unreadable_lines(self):
         self.lines(cell_line(key_of(0), mean_mm=2.0), cell_line(key_of(1), mean_mm=2.0, schema="weft.cell/1"))
         self.assertEqual(weft.open_results(self.folder).unchecked, 1)
         sys.modules["xxhash"] = None  # as where it is not installed

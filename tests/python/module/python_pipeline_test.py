@@ -65,9 +65,9 @@ class Shapes(unittest.TestCase):
                 ours, theirs = getattr(frame, name), getattr(of_run, name)
                 self.assertEqual((ours.dtype, ours.shape), (theirs.dtype, theirs.shape))
                 self.assertEqual(ours.tobytes(), theirs.tobytes(), f"{name} of frame {frame.index}")
-            told = {name.removeprefix("shape/diag."): of_run[name] for name in of_run.names
+            recorded = {name.removeprefix("shape/diag."): of_run[name] for name in of_run.names
                     if name.startswith("shape/diag.")}
-            self.assertEqual(frame.diagnostics, told)
+            self.assertEqual(frame.diagnostics, recorded)
             self.assertEqual(frame.report["stages"][1]["keypoints"], RUN.stage("detectors", "keypoints")[frame.index])
 
     def test_are_those_of_the_run_of_the_same_images_bit_for_bit(self):
@@ -142,14 +142,14 @@ class Mistakes(unittest.TestCase):
         self.assertEqual((error.where, error.code), ("set filters.stiffness", "invalid_value"))
         self.assertIn("nan", str(self.refused(DEMO, CAMERA, set={"filters.stiffness": float("nan")})).lower())
 
-    def test_of_a_camera_are_told(self):
+    def test_of_a_camera_are_reported(self):
         self.refused(DEMO, [[820, 0, 320], [0, 820, 240], [0, 0, 1]], raised=TypeError)
         self.assertEqual(self.refused(DEMO, weft.Camera(0.0, 820.0, 319.5, 239.5, 640, 480)).where, "camera")
         self.refused(DEMO, CAMERA, fps=0, raised=ValueError)
         with self.assertRaisesRegex(ValueError, "skew"):
             weft.Camera.of_matrix([[820, 1, 320], [0, 820, 240], [0, 0, 1]], 640, 480)
 
-    def test_of_images_are_told_and_count_for_nothing(self):
+    def test_of_images_are_reported_and_change_nothing(self):
         with weft.Pipeline(DEMO, CAMERA) as pipeline:
             for image, raised, sentence in (
                     (None, TypeError, "None"),
@@ -180,7 +180,7 @@ class Mistakes(unittest.TestCase):
                 pipeline.process(IMAGES[1], 2.25)
             self.assertEqual(pipeline.process(IMAGES[1], 2.5).index, 1)
 
-    def test_of_forking_are_told_at_once(self):
+    def test_of_forking_are_reported_at_once(self):
         """Opening in the children alone is none."""
         ending = self.in_child(f"""
             child = os.fork()
@@ -208,7 +208,7 @@ class Mistakes(unittest.TestCase):
         return subprocess.run([sys.executable, "-c", start + textwrap.dedent(script)], capture_output=True, text=True,
                               check=False)
 
-    def test_of_using_a_closed_pipeline_are_told(self):
+    def test_of_using_a_closed_pipeline_are_reported(self):
         pipeline = weft.Pipeline(DEMO, CAMERA)
         pipeline.close()
         pipeline.close()

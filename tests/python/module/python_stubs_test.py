@@ -50,8 +50,8 @@ class Stubs(unittest.TestCase):
         made = getattr(_pipeline, stub.name)
         self.assertEqual(set(methods), {name for name in vars(made) if not name.startswith("__")} | {"__init__"})
         for name, arguments in methods.items():
-            told = getattr(made, name).__doc__.splitlines()[0]
-            self.assertEqual(told.count(":") + told.count("*args") * 9, arguments, told)
+            line = getattr(made, name).__doc__.splitlines()[0]
+            self.assertEqual(line.count(":") + line.count("*args") * 9, arguments, line)
 
 
 class Words(unittest.TestCase):
@@ -68,7 +68,7 @@ class Words(unittest.TestCase):
             self.documented(name, getattr(weft, name))
 
     def test_give_shape_or_unit_of_each_array(self):
-        told = {}
+        first_lines = {}
         for name in public_names():
             value = getattr(weft, name)
             if not inspect.isclass(value) or not value.__module__.startswith("weft.programs"):
@@ -77,9 +77,9 @@ class Words(unittest.TestCase):
                 if member in SHAPED and (name, member) != ("Cell", "metric"):  # which is a number
                     text = inspect.getdoc(getattr(vars(value).get(member), "__func__", vars(value).get(member)))
                     is_own = member in vars(value) and text
-                    told[f"{name}.{member}"] = text if is_own else inspect.getdoc(value)
-        self.assertGreaterEqual(len(told), 15)
-        for name, text in told.items():
+                    first_lines[f"{name}.{member}"] = text if is_own else inspect.getdoc(value)
+        self.assertGreaterEqual(len(first_lines), 15)
+        for name, text in first_lines.items():
             self.assertRegex(text or "", r"\[[A-Z\d.]", name)
 
 

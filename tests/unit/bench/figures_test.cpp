@@ -108,17 +108,17 @@ TEST(Ratio, HasAnIntervalThatHoldsTheTruthUnderNoise) {
   constexpr int kTrials = 200;
   std::cout << "seed " << kSeed << "\n";
   Rng rng(kSeed);
-  int held = 0;
+  int covered = 0;
   for (int trial = 0; trial < kTrials; ++trial) {
     const auto times = [&](double factor) {
       return part_of([&, factor](auto...) { return factor * std::exp(0.1 * rng.normal()); });
     };
     const Part part = times(1.5);
     const Interval interval = ratio_of(part, times(1.0), Time::wall).interval;
-    held += interval.low <= 1.5 && 1.5 <= interval.high ? 1 : 0;
+    covered += interval.low <= 1.5 && 1.5 <= interval.high ? 1 : 0;
   }
   // 16 turns: the bootstrap's intervals are somewhat short. Binomial deviation 0.02.
-  EXPECT_GE(held, kTrials * 85 / 100);
+  EXPECT_GE(covered, kTrials * 85 / 100);
 }
 
 TEST(Ratio, HasNoIntervalForFewTurns) {

@@ -88,13 +88,13 @@ TEST(Measure, TellsEachTurnThatIsDone) {
   std::string log;
   Scripted a("a", log);
   Subject* const subjects[] = {&a};
-  std::vector<std::size_t> told;
+  std::vector<std::size_t> reported;
   const auto progress = [&](std::size_t done, std::size_t turns) {
     EXPECT_EQ(turns, 3U);
-    told.push_back(done);
+    reported.push_back(done);
   };
   ASSERT_TRUE(measure({5, 0, 1, 2}, subjects, progress));
-  EXPECT_THAT(told, ElementsAre(1, 2, 3));
+  EXPECT_THAT(reported, ElementsAre(1, 2, 3));
 }
 
 TEST(Measure, OverlapsTheFramesOfARepetitionInOneTurn) {

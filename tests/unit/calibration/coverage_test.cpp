@@ -38,7 +38,7 @@ TEST_F(CoverageOf, OneCornerOfTheImageNamesTheOthers) {
   }
 }
 
-TEST_F(CoverageOf, TurnsAreToldByTheSideThatIsFartherHoweverTheBoardIsHeld) {
+TEST_F(CoverageOf, TiltsAreClassifiedByTheFartherSideInAnyOrientationOfTheBoard) {
   const std::pair<Eigen::Vector2d, Turn> cases[] = {{{0.5, 0.0}, Turn::right},
                                                     {{-0.5, 0.0}, Turn::left},
                                                     {{0.0, 0.5}, Turn::lower},

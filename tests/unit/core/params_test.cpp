@@ -28,7 +28,7 @@ struct Everything {
     p.text("title", title, "a name");
     p.input_path("table", table, "a file", Need::required);
     p.output_path("report", report, "another file");
-    p.labels("apart", apart, "names and texts");
+    p.labels("apart", labels, "names and texts");
     p.choice("metric", metric, {{"l2", Metric::l2}, {"hamming", Metric::hamming}}, "a word");
     p.component("warp", warp, "a component");
     p.read("cuts", cuts, "frames", {0, 1e15}, "some whole numbers");
@@ -44,7 +44,7 @@ struct Everything {
   std::string title = "none";
   std::string table;
   std::string report;
-  std::vector<std::pair<std::string, std::string>> apart;
+  std::vector<std::pair<std::string, std::string>> labels;
   Metric metric = Metric::hamming;
   ComponentHandle warp{"warps", "warps/bbs"};
   std::vector<std::int64_t> cuts{5000000000, 7};
@@ -153,7 +153,7 @@ TEST(Params, BindsEveryKind) {
   const std::int64_t rounds = 7, big = 1;
   const std::uint8_t fast = 0;
   const char *title = "a title", *table = "/t", *report = "/r", *metric = "l2";
-  const char* apart[] = {"009", "texture source", "010", ""};
+  const char* labels[] = {"009", "texture source", "010", ""};
   const std::uint64_t warp = 17;
   const std::int64_t cuts[] = {0, 900000000000001}, threads[] = {4, 5, 6};
   const char* parts[] = {"", "front side"};
@@ -167,7 +167,7 @@ TEST(Params, BindsEveryKind) {
                              {"title", WEFT_VALUE_TEXT, 0, 1, &title, {}},
                              {"table", WEFT_VALUE_INPUT_PATH, 0, 1, &table, {}},
                              {"report", WEFT_VALUE_OUTPUT_PATH, 0, 1, &report, {}},
-                             {"apart", WEFT_VALUE_LABELS, 0, 4, apart, {}},
+                             {"apart", WEFT_VALUE_LABELS, 0, 4, labels, {}},
                              {"cuts", WEFT_VALUE_I64, 1, 2, cuts, {}},
                              {"threads", WEFT_VALUE_I64, 1, 3, threads, {}},
                              {"parts", WEFT_VALUE_TEXT, 1, 2, parts, {}},
@@ -184,8 +184,8 @@ TEST(Params, BindsEveryKind) {
   EXPECT_EQ(read.title, "a title");
   EXPECT_EQ(read.table, "/t");
   EXPECT_EQ(read.report, "/r");
-  ASSERT_EQ(read.apart.size(), 2U);
-  EXPECT_EQ(read.apart[0], std::make_pair(std::string("009"), std::string("texture source")));
+  ASSERT_EQ(read.labels.size(), 2U);
+  EXPECT_EQ(read.labels[0], std::make_pair(std::string("009"), std::string("texture source")));
   EXPECT_EQ(read.metric, Metric::l2);
   EXPECT_EQ(read.warp.handle, 17U);
 }
@@ -199,7 +199,7 @@ TEST(Params, WhatIsNotGivenKeepsItsDefault) {
   EXPECT_EQ(read.rounds, 3);
   EXPECT_THAT(read.levels, ElementsAre(0.25, 0.5));
   EXPECT_EQ(read.metric, Metric::hamming);
-  EXPECT_THAT(read.apart, IsEmpty());
+  EXPECT_THAT(read.labels, IsEmpty());
 }
 
 TEST(Params, ARequiredTextThatIsAbsentIsAProblem) {

@@ -29,7 +29,7 @@ TEST(StopCheck, AsksOnceForSoManyPasses) {
   EXPECT_EQ(host.asked, 12);
 }
 
-TEST(StopCheck, ThrowsWhereItIsToldToStop) {
+TEST(StopCheck, ThrowsWhereTheCallIsCancelled) {
   Host host{0, 3};
   const StopCheck check(Host::cancelled, &host);
   int passes = 0;

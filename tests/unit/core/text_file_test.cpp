@@ -68,7 +68,7 @@ TEST_F(TextFileTest, DevicesFifosAndFoldersAreRefusedAtOnce) {
   EXPECT_EQ(reason("/proc/self/mem"), "Input/output error");
 }
 
-TEST_F(TextFileTest, WhatIsAbsentIsToldFromWhatCannotBeRead) {
+TEST_F(TextFileTest, AMissingFileIsDistinguishedFromAnUnreadableOne) {
   EXPECT_EQ(read_text_file(folder_ / "absent", 1).error().code, Errc::not_found);
   EXPECT_EQ(read_text_file(file("a", "x") + "/b", 1).error().code, Errc::not_found);
   EXPECT_EQ(read_text_file(folder_, 1).error().code, Errc::io);

@@ -49,7 +49,7 @@ class WholeFileTest : public ::testing::Test {
   fs::path folder_ = fs::path(::testing::TempDir()) / "whole_file_test";
 };
 
-TEST_F(WholeFileTest, TheBytesReplaceWhatStoodThereAndNothingElseIsLeft) {
+TEST_F(WholeFileTest, TheBytesReplaceTheFormerContentAndLeaveNoOtherFile) {
   const fs::path file = folder_ / "a.txt";
   const std::string bytes("one\0two\r\n", 9);
   ASSERT_TRUE(write_whole("a longer text that was there before", file));

@@ -36,7 +36,7 @@ TEST(Array, AScalarHasNoAxes) {
   EXPECT_EQ(*make_scalar(3.5).data(), 3.5);
 }
 
-TEST(Array, WhatNobodyWroteIsNoNumberWhereItIsMarked) {
+TEST(Array, UnwrittenElementsAreNanWhereTheyAreMarked) {
   const Array<double> numbers({4, 2});
   const Array<std::int32_t> indices({3});
   if (!kMarksUnwritten) GTEST_SKIP() << "not in this build: it leaves memory as it finds it";

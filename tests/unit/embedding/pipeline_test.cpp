@@ -159,7 +159,7 @@ TEST_F(Embedding, RefusesStagesThatWantMoreThanAnImage) {
             "program hands in");
 }
 
-TEST_F(Embedding, KeepsThePastsOfTwoPipelinesApart) {
+TEST_F(Embedding, KeepsTheStatesOfTwoPipelinesSeparate) {
   Pipeline one = opened(chain({{"solvers", "{no_result_at: [0, 2]}"}}));
   Pipeline other = opened(chain({{"solvers", "{no_result_at: [1]}"}}));
   std::vector<ShapeState> of_one, of_other;
@@ -288,7 +288,7 @@ TEST_F(Embedding, GivesShapesThatOutliveIt) {
   EXPECT_GE(shape->diag.value("draw", -1.0), 0.0);
 }
 
-TEST_F(Embedding, TakesRowsThatLieApart) {
+TEST_F(Embedding, TakesRowsWithAStride) {
   Pipeline pipeline = opened(chain());
   const std::vector<std::uint8_t> camera_memory(120 * 192, 7);  // rows of 192 bytes, 160 px
   Image image;

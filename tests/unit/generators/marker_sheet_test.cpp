@@ -9,7 +9,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-TEST(MarkerSheet, KeepsMarkersApartAndInsideTheMargins) {
+TEST(MarkerSheet, KeepsMarkersSeparateAndInsideTheMargins) {
   for (const std::int64_t seed : {1, 2, 3, 99}) {
     MarkerSheetSpec spec;
     spec.seed = seed;
@@ -23,8 +23,8 @@ TEST(MarkerSheet, KeepsMarkersApartAndInsideTheMargins) {
       EXPECT_LE(marker.corners_mm.col(0).maxCoeff(), 297 - spec.margin_mm);
       EXPECT_LE(marker.corners_mm.col(1).maxCoeff(), 210 - MarkerSheetSpec::kCaption_mm);
       for (std::size_t k = 0; k < i; ++k) {
-        const Eigen::Vector2d apart = marker.centre_mm() - sheet->markers[k].centre_mm();
-        EXPECT_GE(apart.cwiseAbs().maxCoeff(), spec.marker_mm + spec.gap_mm) << i << " " << k;
+        const Eigen::Vector2d offset_mm = marker.centre_mm() - sheet->markers[k].centre_mm();
+        EXPECT_GE(offset_mm.cwiseAbs().maxCoeff(), spec.marker_mm + spec.gap_mm) << i << " " << k;
       }
     }
   }

@@ -54,7 +54,7 @@ TEST(StrainStatistics, AreZeroForARigidMotionAndTheFactorForAScaling) {
   EXPECT_NEAR(shrunk.max, 0.1, 1e-12);
 }
 
-TEST(StrainStatistics, TellMeanPercentileAndMaximumApart) {
+TEST(StrainStatistics, DistinguishMeanPercentileAndMaximum) {
   Points3 rest = Points3::Zero(21, 3);
   rest.col(0) = Eigen::VectorXd::LinSpaced(21, 0.0, 20.0);
   Edges chain(20, 2);

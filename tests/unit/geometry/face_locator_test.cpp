@@ -203,7 +203,7 @@ TEST(FaceLocator, NeverFindsFacesWithoutArea) {
   EXPECT_EQ(locator.locate({3.0, -1.0}).face, 1);
 }
 
-TEST(FaceLocator, HandlesSliversFarApartWithBoundedMemory) {
+TEST(FaceLocator, HandlesDistantSliversWithBoundedMemory) {
   Points2 points(6, 2);
   points << 0.0, 0.0, 1e-3, 1e-3, 1e-3, 0.0, 1e7, 1e7, 1e7 + 1.0, 1e7 + 1.0, 1e7 + 1.0, 1e7;
   Faces faces(2, 3);

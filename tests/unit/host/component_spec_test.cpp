@@ -78,8 +78,8 @@ TEST_F(ComponentSpecTest, ParametersReachTheComponent) {
       " warp: {use: warps/test_shift, params: {shift_px: 30}}, steps: [900000000000001, -9, 0],"
       " words: ['12', seven77]}");
   ASSERT_TRUE(resolved.spec) << resolved.problem();
-  Lane lane(1, {});
-  const auto instance = lane.instantiate(*resolved.spec, "filters");
+  ExecutionContext context(1, {});
+  const auto instance = context.instantiate(*resolved.spec, "filters");
   ASSERT_TRUE(instance) << instance.error().message;
   Template templ;
   templ.vertices_m = Array<double>({3, 3}, 0.0);
@@ -90,7 +90,7 @@ TEST_F(ComponentSpecTest, ParametersReachTheComponent) {
   const RecordView<Correspondences> view("correspondences", matches);
   const RecordView<Template> template_view("template", templ);
   const weft_record inputs[] = {view.raw(), template_view.raw()};
-  const Outcome outcome = lane.call(**instance, 0, inputs, 5);
+  const Outcome outcome = context.call(**instance, 0, inputs, 5);
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
   const auto mask = view_as<InlierMask>(*outcome.find("inlier_mask"));
   ASSERT_TRUE(mask);
@@ -166,7 +166,7 @@ TEST_F(ComponentSpecTest, RangesAreCheckedWithTheUnitInTheMessage) {
   EXPECT_TRUE(good("{length_mm: 100, count: -5, limits_px: [], free: 1e300}").spec);
 }
 
-TEST_F(ComponentSpecTest, InputPathsStandInTheFilesFolderAndMustExist) {
+TEST_F(ComponentSpecTest, InputPathsAreRelativeToTheFilesFolderAndMustExist) {
   misbehaving::write_file(folder_ / "table.csv", "1");
   EXPECT_EQ(effective(good("{table: table.csv}"), "table"), folder_ / "table.csv");
   EXPECT_EQ(effective(good("{table: sub/../table.csv}"), "table"), folder_ / "table.csv");
@@ -177,7 +177,7 @@ TEST_F(ComponentSpecTest, InputPathsStandInTheFilesFolderAndMustExist) {
   EXPECT_EQ(effective(good("{table: 'frames/*.png'}"), "table"), folder_ / "frames/*.png");
 }
 
-TEST_F(ComponentSpecTest, OutputPathsStandInTheRunFolder) {
+TEST_F(ComponentSpecTest, OutputPathsAreRelativeToTheRunFolder) {
   const Resolved given = good("{report: a/b.csv}");
   EXPECT_EQ(effective(given, "report"), "a/b.csv") << "another run has another folder";
   for (const weft_value& value : given.spec->arguments.values()) {

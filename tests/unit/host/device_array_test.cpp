@@ -64,7 +64,7 @@ class DeviceArrays : public ::testing::Test {
   weft_call call_{};
 };
 
-TEST_F(DeviceArrays, AreHeldAsLongAsARecordHasThem) {
+TEST_F(DeviceArrays, LiveAsLongAsTheirRecord) {
   ASSERT_TRUE(adopt());
   EXPECT_EQ(kept().references, 1);
   auto copy = record_->alias();

@@ -156,15 +156,15 @@ class PooledRecord : public ::testing::Test {
   std::shared_ptr<MemoryPool> pool_ = std::make_shared<MemoryPool>();
 };
 
-TEST_F(PooledRecord, StandsWhereTheOneBeforeItStood) {
+TEST_F(PooledRecord, ReusesTheMemoryOfThePreviousRecord) {
   auto record = make(3000);
   const void* before = place_of(*record, "score");
-  const std::size_t held = pool_->holding().in_use;
+  const std::size_t in_use = pool_->holding().in_use;
   record.reset();
   EXPECT_EQ(pool_->holding().in_use, 0U);
   record = make(2900);
   EXPECT_EQ(place_of(*record, "score"), before);
-  EXPECT_EQ(pool_->holding().in_use, held);
+  EXPECT_EQ(pool_->holding().in_use, in_use);
   EXPECT_EQ(pool_->holding().free, 0U);
 }
 

@@ -42,7 +42,7 @@ TEST(OpenSlots, WhatThePreviousFrameHadIsNeverRequired) {
   EXPECT_FALSE(rules->main_method().inputs.front().required);
 }
 
-TEST(OpenSlots, NamesThatNobodyHasAreRefusedWithTheNearest) {
+TEST(OpenSlots, UnknownNamesAreRefusedWithTheNearest) {
   EXPECT_THAT(problem_of({{"imgae"}, {}, {}, {}}),
               HasSubstr("names 'imgae', which is no input of any role"));
   EXPECT_THAT(problem_of({{"imgae"}, {}, {}, {}}), HasSubstr("did you mean 'image'?"));

@@ -75,7 +75,7 @@ TEST_F(RecordSchemaTest, NanIsLegalWhereItIsDeclaredAndNowhereElse) {
   EXPECT_THAT(problem(), HasSubstr("'sigma_m' holds NaN or infinity"));
 }
 
-TEST_F(RecordSchemaTest, ArraysThatNobodyDeclaredAreIgnored) {
+TEST_F(RecordSchemaTest, UndeclaredArraysAreIgnored) {
   fill<double>("diag.rounds", WEFT_F64, {}, 7.0);
   EXPECT_EQ(problem(), "");
 }

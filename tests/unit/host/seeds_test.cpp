@@ -3,8 +3,8 @@
 
 #include <set>
 
+#include "host/calling/execution_context.hpp"
 #include "host/calling/hashing.hpp"
-#include "host/calling/lane.hpp"
 
 namespace weft::host {
 namespace {

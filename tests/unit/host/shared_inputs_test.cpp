@@ -51,7 +51,7 @@ TEST_F(SharedInputsTest, WhatWasBornThereIsNotCopied) {
   EXPECT_TRUE(keep_.empty());
 }
 
-TEST_F(SharedInputsTest, RowsFarApartOrInReverseAreCopiedTogether) {
+TEST_F(SharedInputsTest, RowsWithALargeOrNegativeStrideAreCopiedTogether) {
   const double data[] = {1, 2, -1, 3, 4, -1, 5, 6, -1};
   const PlacedArray padded = place(rows(data, 24));
   EXPECT_EQ(read(padded), (std::vector<double>{1, 2, 3, 4, 5, 6}));

@@ -26,7 +26,7 @@ using ::testing::StartsWith;
 
 constexpr const char* kNested = "{warp: {use: warps/test_shift, params: {shift_px: 7.25}}}";
 
-/// One lane with shared memory, and what its components logged.
+/// One execution context with shared memory, and what its components logged.
 class WorkerTest : public ::testing::Test {
  protected:
   WorkerTest() {
@@ -51,17 +51,18 @@ class WorkerTest : public ::testing::Test {
     return *specs_.back().spec;
   }
 
-  Instance& apart(const std::string& id, const std::string& params = "{}", int deadline_ms = 0,
-                  const std::string& stage = "filters") {
-    return prepared(lane_->instantiate_isolated(spec(id, params), stage, isolation(deadline_ms)));
+  Instance& isolated(const std::string& id, const std::string& params = "{}", int deadline_ms = 0,
+                     const std::string& stage = "filters") {
+    return prepared(
+        context_->instantiate_isolated(spec(id, params), stage, isolation(deadline_ms)));
   }
   Instance& here(const std::string& id, const std::string& params = "{}",
                  const std::string& stage = "filters") {
-    return prepared(lane_->instantiate(spec(id, params), stage));
+    return prepared(context_->instantiate(spec(id, params), stage));
   }
   Instance& prepared(const Result<Instance*>& made) {
     if (!made) throw std::runtime_error(made.error().message);
-    const auto ready = lane_->prepare(**made, *templ_, *camera_);
+    const auto ready = context_->prepare(**made, *templ_, *camera_);
     if (!ready) throw std::runtime_error(ready.error().message);
     return **made;
   }
@@ -70,14 +71,14 @@ class WorkerTest : public ::testing::Test {
     const Correspondences matches = misbehaving::make_matches(count);
     const RecordView<Correspondences> view("correspondences", matches);
     const weft_record inputs[] = {view.raw(), templ_->view("template")};
-    return lane_->call(filter, 0, inputs, frame);
+    return context_->call(filter, 0, inputs, frame);
   }
 
   Outcome fit(Instance& warp) {
     const Correspondences matches = misbehaving::make_matches(4);
     const RecordView<Correspondences> view("correspondences", matches);
     const weft_record inputs[] = {view.raw(), templ_->view("template")};
-    return lane_->call(warp, 0, inputs, 0);
+    return context_->call(warp, 0, inputs, 0);
   }
 
   static double diag(const Outcome& outcome, const char* name) {
@@ -92,7 +93,7 @@ class WorkerTest : public ::testing::Test {
   std::deque<misbehaving::Resolved> specs_;
   std::shared_ptr<Record> templ_, camera_;
   std::vector<std::string> logged_;
-  std::unique_ptr<Lane> lane_ = std::make_unique<Lane>(
+  std::unique_ptr<ExecutionContext> context_ = std::make_unique<ExecutionContext>(
       7,
       [this](const std::string& component, int level, const std::string& text, std::uint64_t) {
         logged_.push_back(component + " " + std::to_string(level) + " " + text);
@@ -150,16 +151,16 @@ std::vector<pid_t> workers() {
 
 TEST_F(WorkerTest, GivesTheSameBytesTimingsAndDrawsAsInThisProcess) {
   Instance& near = here("filters/test_good", kNested);
-  Instance& far = apart("filters/test_good", kNested);
+  Instance& far = isolated("filters/test_good", kNested);
   for (std::uint64_t frame = 0; frame < 3; ++frame) {
     const Outcome expected = filter(near, frame);
     ASSERT_EQ(expected.status, WEFT_OK) << expected.error.message;
-    EXPECT_THAT(names(lane_->take_timings()),
+    EXPECT_THAT(names(context_->times().take()),
                 ElementsAre("filters/warp", "filters/warp", "filters"));
     const Outcome outcome = filter(far, frame);
     ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
     EXPECT_EQ(content(outcome), content(expected));
-    EXPECT_THAT(names(lane_->take_timings()),
+    EXPECT_THAT(names(context_->times().take()),
                 ElementsAre("filters/warp", "filters/warp", "filters"));
     EXPECT_EQ(diag(outcome, "shifted_u"), 17.25);
   }
@@ -168,7 +169,7 @@ TEST_F(WorkerTest, GivesTheSameBytesTimingsAndDrawsAsInThisProcess) {
 TEST_F(WorkerTest, ListsOfWholeNumbersAndTextsReachAWorker) {
   const char* params = "{steps: [900000000000001, -9], words: [seven77, '12']}";
   const Outcome expected = filter(here("filters/test_good", params));
-  const Outcome outcome = filter(apart("filters/test_good", params));
+  const Outcome outcome = filter(isolated("filters/test_good", params));
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
   EXPECT_EQ(content(outcome), content(expected));
   EXPECT_EQ(diag(outcome, "length_of_seven77"), 7.0);
@@ -182,8 +183,8 @@ TEST_F(WorkerTest, ArraysOfThirdPartiesGoThroughAWorkerAndTheWarpNestedThere) {
   const RecordView<Correspondences> view("correspondences", matches);
   const weft_record inputs[] = {view.raw(), templ_->view("template")};
   const std::string bytes(reinterpret_cast<const char*>(weight.data()), 6);
-  for (Instance* each : {&here("filters/test_good"), &apart("filters/test_good")}) {
-    const Outcome outcome = lane_->call(*each, 0, inputs, 0);
+  for (Instance* each : {&here("filters/test_good"), &isolated("filters/test_good")}) {
+    const Outcome outcome = context_->call(*each, 0, inputs, 0);
     ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
     EXPECT_EQ(content(outcome)["inlier_mask/x.acme.weight"], bytes);
     const auto mask = view_as<InlierMask>(*outcome.find("inlier_mask"));
@@ -194,10 +195,10 @@ TEST_F(WorkerTest, ArraysOfThirdPartiesGoThroughAWorkerAndTheWarpNestedThere) {
 }
 
 TEST_F(WorkerTest, WhatAWorkerComputedCountsAsProcessorTimeOfTheCall) {
-  const Outcome outcome = filter(apart("filters/test_busy", "{threads: 2, each_ms: 10}"));
+  const Outcome outcome = filter(isolated("filters/test_busy", "{threads: 2, each_ms: 10}"));
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
   EXPECT_GE(outcome.worker_processor_ms, 20.0);
-  const Timings timings = lane_->take_timings();
+  const Timings timings = context_->times().take();
   ASSERT_EQ(timings.size(), 1U);
   EXPECT_GE(timings[0].took.processor_ms, outcome.worker_processor_ms);
 }
@@ -209,19 +210,19 @@ TEST_F(WorkerTest, ParametersOfEveryTypeArrive) {
       "{length_mm: 3.5, free: -2, count: 42, flag: false, colour: blue, limits_px: [1, 2, 3], "
       "title: some words, table: " +
       (folder / "table") + ", report: " + (folder / "out") + ", apart: {a: b, c: d}}";
-  EXPECT_EQ(content(filter(apart("filters/test_good", params))),
+  EXPECT_EQ(content(filter(isolated("filters/test_good", params))),
             content(filter(here("filters/test_good", params))));
 }
 
 TEST_F(WorkerTest, TheHostDoesNotLoadTheLibrary) {
-  const Outcome outcome = filter(apart("filters/test_deadly"));
+  const Outcome outcome = filter(isolated("filters/test_deadly"));
   EXPECT_EQ(diag(outcome, "prepared"), 1.0);
   EXPECT_NE(diag(outcome, "process"), getpid());
   EXPECT_EQ(misbehaving::read_file("/proc/self/maps").find("test_deadly"), std::string::npos);
 }
 
 TEST_F(WorkerTest, ADeathCostsOneFrame) {
-  const std::vector<std::pair<std::string, std::string>> deeds{
+  const std::vector<std::pair<std::string, std::string>> actions{
       {"crash",
        "its worker died of signal 11 (Segmentation fault); the last that it printed: "
        "last words"},
@@ -229,13 +230,13 @@ TEST_F(WorkerTest, ADeathCostsOneFrame) {
       {"kill", "its worker died of signal 9 (Killed), perhaps because memory was short"},
       {"exit", "its worker exited with status 7"},
       {"scribble", "its worker sent what is no message, and was ended"}};
-  for (const auto& [deed, cause] : deeds) {
-    SCOPED_TRACE(deed);
-    Instance& deadly = apart("filters/test_deadly", "{frame: 1, deed: " + deed + "}");
+  for (const auto& [action, cause] : actions) {
+    SCOPED_TRACE(action);
+    Instance& deadly = isolated("filters/test_deadly", "{frame: 1, deed: " + action + "}");
     EXPECT_EQ(filter(deadly, 0).status, WEFT_OK);
     const Outcome outcome = filter(deadly, 1);
     EXPECT_EQ(outcome.status, WEFT_ERROR);
-    EXPECT_EQ(outcome.error.code, deed == "kill" ? Errc::no_memory : Errc::plugin_failure);
+    EXPECT_EQ(outcome.error.code, action == "kill" ? Errc::no_memory : Errc::plugin_failure);
     EXPECT_EQ(outcome.error.where, "filters/test_deadly");
     EXPECT_THAT(outcome.error.message, StartsWith(cause));
     EXPECT_EQ(diag(filter(deadly, 2), "prepared"), 1.0);
@@ -246,10 +247,10 @@ TEST_F(WorkerTest, ADeathCostsOneFrame) {
 std::string own_name() { return "z" + std::to_string(getpid()); }
 
 TEST_F(WorkerTest, ADeathEndsTheCallAndWhatTheComponentHasStarted) {
-  for (const std::string deed : {"leave", "leave_session"}) {
-    SCOPED_TRACE(deed);
-    Instance& deadly =
-        apart("filters/test_deadly", "{frame: 1, deed: " + deed + ", child: " + own_name() + "}");
+  for (const std::string action : {"leave", "leave_session"}) {
+    SCOPED_TRACE(action);
+    Instance& deadly = isolated("filters/test_deadly",
+                                "{frame: 1, deed: " + action + ", child: " + own_name() + "}");
     EXPECT_EQ(filter(deadly, 0).status, WEFT_OK);
     const Outcome outcome = filter(deadly, 1);
     EXPECT_EQ(outcome.status, WEFT_ERROR);
@@ -260,7 +261,7 @@ TEST_F(WorkerTest, ADeathEndsTheCallAndWhatTheComponentHasStarted) {
 }
 
 TEST_F(WorkerTest, ADeathInCreateEndsWhatTheComponentHasStarted) {
-  const auto made = lane_->instantiate_isolated(
+  const auto made = context_->instantiate_isolated(
       spec("filters/test_deadly", "{where: create, deed: leave, child: " + own_name() + "}"),
       "filters", isolation());
   ASSERT_FALSE(made);
@@ -270,7 +271,7 @@ TEST_F(WorkerTest, ADeathInCreateEndsWhatTheComponentHasStarted) {
 
 TEST_F(WorkerTest, ACopyThatAComponentMakesAnswersNoCall) {
   Instance& deadly =
-      apart("filters/test_deadly", "{frame: 1, deed: fork_twice, child: " + own_name() + "}");
+      isolated("filters/test_deadly", "{frame: 1, deed: fork_twice, child: " + own_name() + "}");
   for (std::uint64_t frame = 0; frame < 20; ++frame) {
     const auto count = static_cast<std::int64_t>(frame) + 1;  // tells the answers apart
     const Outcome outcome = filter(deadly, frame, count);
@@ -282,7 +283,7 @@ TEST_F(WorkerTest, ACopyThatAComponentMakesAnswersNoCall) {
 
 TEST_F(WorkerTest, AComponentThatStartsProcessesWithoutEndIsEndedWithThem) {
   Instance& deadly =
-      apart("filters/test_deadly", "{frame: 1, deed: multiply, child: " + own_name() + "}");
+      isolated("filters/test_deadly", "{frame: 1, deed: multiply, child: " + own_name() + "}");
   const Outcome outcome = filter(deadly, 1);
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_THAT(outcome.error.message,
@@ -291,7 +292,7 @@ TEST_F(WorkerTest, AComponentThatStartsProcessesWithoutEndIsEndedWithThem) {
 }
 
 TEST_F(WorkerTest, AFloodOfOutputIsNotKeptAndItsAuthorIsNamed) {
-  Instance& deadly = apart("filters/test_deadly", "{frame: 1, deed: print}");
+  Instance& deadly = isolated("filters/test_deadly", "{frame: 1, deed: print}");
   EXPECT_EQ(filter(deadly, 1).status, WEFT_OK);
   EXPECT_TRUE(comes_true([] { return shared_bytes() < std::int64_t{8} << 20; })) << "of 64 MiB";
   EXPECT_EQ(filter(deadly, 2).status, WEFT_OK);
@@ -306,18 +307,18 @@ TEST_F(WorkerTest, ArraysThatAreTooLargeOrTooManyAreRefusedByName) {
        "record may have "},
       {"many_arrays", "its array 'x.test.a1000' of inlier_mask/1: a record may have 1000 arrays"}};
   for (const auto& [mistake, refusal] : cases) {
-    for (const bool is_apart : {false, true}) {
+    for (const bool is_isolated : {false, true}) {
       logged_.clear();
       const std::string params = "{mistake: " + mistake + "}";
-      filter(is_apart ? apart("filters/test_raw", params) : here("filters/test_raw", params));
-      ASSERT_EQ(logged_.size(), 1U) << mistake << is_apart;
+      filter(is_isolated ? isolated("filters/test_raw", params) : here("filters/test_raw", params));
+      ASSERT_EQ(logged_.size(), 1U) << mistake << is_isolated;
       EXPECT_THAT(logged_[0], HasSubstr("the host refused " + refusal));
     }
   }
 }
 
 TEST_F(WorkerTest, HangingPastTheDeadlineCostsOneFrame) {
-  Instance& deadly = apart("filters/test_deadly", "{frame: 1, deed: hang}", 1000);
+  Instance& deadly = isolated("filters/test_deadly", "{frame: 1, deed: hang}", 1000);
   EXPECT_EQ(filter(deadly, 0).status, WEFT_OK);
   const Outcome outcome = filter(deadly, 1);
   EXPECT_EQ(outcome.status, WEFT_ERROR);
@@ -326,7 +327,7 @@ TEST_F(WorkerTest, HangingPastTheDeadlineCostsOneFrame) {
 }
 
 TEST_F(WorkerTest, AfterADeathAnotherWorkerIsMadeBeforeItIsCalled) {
-  Instance& deadly = apart("filters/test_deadly", "{frame: 1, deed: exit}");
+  Instance& deadly = isolated("filters/test_deadly", "{frame: 1, deed: exit}");
   const auto first = static_cast<pid_t>(diag(filter(deadly, 0), "process"));
   EXPECT_EQ(filter(deadly, 1).status, WEFT_ERROR);
   ASSERT_TRUE(comes_true([] { return !workers().empty(); }));
@@ -337,12 +338,12 @@ TEST_F(WorkerTest, AfterADeathAnotherWorkerIsMadeBeforeItIsCalled) {
   EXPECT_EQ(diag(outcome, "prepared"), 1.0);
 }
 
-TEST_F(WorkerTest, WhereAStartTakesLongASpareStandsReadyIfOneIsWanted) {
+TEST_F(WorkerTest, WhereAStartTakesLongASpareIsReadyIfConfigured) {
   for (const bool keeps_spare : {true, false}) {
     SCOPED_TRACE(keeps_spare);
     Isolation how = isolation();
     how.keeps_spare = keeps_spare;
-    Instance& deadly = prepared(lane_->instantiate_isolated(
+    Instance& deadly = prepared(context_->instantiate_isolated(
         spec("filters/test_deadly", "{frame: 1, deed: exit, prepare_ms: 50}"), "filters", how));
     EXPECT_EQ(workers().size(), 1U) << "not before it has answered";
     const auto first = static_cast<pid_t>(diag(filter(deadly, 0), "process"));
@@ -358,7 +359,7 @@ TEST_F(WorkerTest, WhereAStartTakesLongASpareStandsReadyIfOneIsWanted) {
     if (keeps_spare) {
       EXPECT_THAT(standing, ElementsAre(static_cast<pid_t>(diag(outcome, "process"))));
     }
-    lane_->discard(deadly);
+    context_->discard(deadly);
     EXPECT_THAT(workers(), ElementsAre());
   }
 }
@@ -366,7 +367,7 @@ TEST_F(WorkerTest, WhereAStartTakesLongASpareStandsReadyIfOneIsWanted) {
 TEST_F(WorkerTest, ASpareThatDiedIsNotUsed) {
   Isolation how = isolation();
   how.keeps_spare = true;
-  Instance& deadly = prepared(lane_->instantiate_isolated(
+  Instance& deadly = prepared(context_->instantiate_isolated(
       spec("filters/test_deadly", "{frame: 1, deed: exit, prepare_ms: 50}"), "filters", how));
   const auto first = static_cast<pid_t>(diag(filter(deadly, 0), "process"));
   ASSERT_TRUE(comes_true([] { return workers().size() == 2; }));
@@ -378,30 +379,30 @@ TEST_F(WorkerTest, ASpareThatDiedIsNotUsed) {
 }
 
 TEST_F(WorkerTest, ADeathInCreateOrPrepareIsAnErrorBeforeTheFirstFrame) {
-  const auto created = lane_->instantiate_isolated(
+  const auto created = context_->instantiate_isolated(
       spec("filters/test_deadly", "{where: create, deed: crash}"), "filters", isolation());
   ASSERT_FALSE(created);
   EXPECT_EQ(created.error().where, "filters/test_deadly");
   EXPECT_THAT(created.error().message, HasSubstr("died of signal 11"));
-  const auto unprepared = lane_->instantiate_isolated(
+  const auto unprepared = context_->instantiate_isolated(
       spec("filters/test_deadly", "{where: prepare, deed: exit}"), "filters", isolation());
   ASSERT_TRUE(unprepared) << unprepared.error().message;
-  const auto ready = lane_->prepare(**unprepared, *templ_, *camera_);
+  const auto ready = context_->prepare(**unprepared, *templ_, *camera_);
   ASSERT_FALSE(ready);
   EXPECT_EQ(ready.error().where, "filters/test_deadly");
   EXPECT_THAT(ready.error().message, HasSubstr("exited with status 7"));
 }
 
 TEST_F(WorkerTest, AFailureInCreateOrPrepareIsThatOfTheComponent) {
-  const auto created = lane_->instantiate_isolated(spec("filters/test_throws", "{in: constructor}"),
-                                                   "filters", isolation());
+  const auto created = context_->instantiate_isolated(
+      spec("filters/test_throws", "{in: constructor}"), "filters", isolation());
   ASSERT_FALSE(created);
   EXPECT_EQ(created.error().where, "filters/test_throws");
   EXPECT_THAT(created.error().message, HasSubstr("the sky fell down"));
 }
 
 TEST_F(WorkerTest, ArraysLargerThanAnyBeforePassBothWays) {
-  Instance& deadly = apart("filters/test_deadly", "{frame: 1, deed: large}");
+  Instance& deadly = isolated("filters/test_deadly", "{frame: 1, deed: large}");
   EXPECT_EQ(filter(deadly, 0).status, WEFT_OK);
   const Outcome outcome = filter(deadly, 1, 200'000);
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
@@ -411,8 +412,9 @@ TEST_F(WorkerTest, ArraysLargerThanAnyBeforePassBothWays) {
 }
 
 TEST_F(WorkerTest, InputsThatDoNotFitAreAnErrorOfThatCall) {
-  lane_ = std::make_unique<Lane>(7, Lane::Log{}, *SharedArena::create(1U << 20U));
-  Instance& far = apart("filters/test_deadly");
+  context_ = std::make_unique<ExecutionContext>(7, ExecutionContext::Log{},
+                                                *SharedArena::create(1U << 20U));
+  Instance& far = isolated("filters/test_deadly");
   const Outcome outcome = filter(far, 0, 100'000);
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_THAT(outcome.error.message, HasSubstr("no room for the input array"));
@@ -420,7 +422,7 @@ TEST_F(WorkerTest, InputsThatDoNotFitAreAnErrorOfThatCall) {
 }
 
 TEST_F(WorkerTest, ManyFramesTakeNeitherMemoryNorFiles) {
-  Instance& far = apart("filters/test_good", kNested);
+  Instance& far = isolated("filters/test_good", kNested);
   const auto burst = [&](int calls) {
     for (int i = 0; i < calls; ++i) {
       const Outcome outcome = filter(far, static_cast<std::uint64_t>(i), 2000);
@@ -437,32 +439,33 @@ TEST_F(WorkerTest, ManyFramesTakeNeitherMemoryNorFiles) {
 }
 
 TEST_F(WorkerTest, ManyDeathsLeaveNoFilesAndNoZombies) {
-  const auto lane_with_deaths = [&](int deaths) {
-    lane_ = std::make_unique<Lane>(7, Lane::Log{}, *SharedArena::create());
-    Instance& deadly = apart("filters/test_deadly", "{deed: exit}");
+  const auto context_with_deaths = [&](int deaths) {
+    context_ =
+        std::make_unique<ExecutionContext>(7, ExecutionContext::Log{}, *SharedArena::create());
+    Instance& deadly = isolated("filters/test_deadly", "{deed: exit}");
     for (int i = 0; i < deaths; ++i) EXPECT_EQ(filter(deadly).status, WEFT_ERROR);
-    apart("filters/test_good");
-    lane_.reset();  // the worker that stands ready after the last death, too
+    isolated("filters/test_good");
+    context_.reset();  // the worker that stands ready after the last death, too
     return open_files();
   };
-  const std::size_t files = lane_with_deaths(1);
-  EXPECT_EQ(lane_with_deaths(11), files);
+  const std::size_t files = context_with_deaths(1);
+  EXPECT_EQ(context_with_deaths(11), files);
   EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "of supervisors";
   EXPECT_EQ(errno, ECHILD);
 }
 
-TEST_F(WorkerTest, OutputsOutliveTheirWorkerAndTheLane) {
-  Outcome outcome = filter(apart("filters/test_good", kNested));
+TEST_F(WorkerTest, OutputsOutliveTheirWorkerAndTheContext) {
+  Outcome outcome = filter(isolated("filters/test_good", kNested));
   const auto before = content(outcome);
-  lane_.reset();
+  context_.reset();
   EXPECT_EQ(content(outcome), before);
 }
 
 TEST_F(WorkerTest, CancellingReachesTheComponent) {
-  Instance& obedient = apart("filters/test_deadly", "{frame: 1, deed: obey}");
+  Instance& obedient = isolated("filters/test_deadly", "{frame: 1, deed: obey}");
   EXPECT_EQ(filter(obedient, 0).status, WEFT_OK);
   std::atomic<bool> cancel{false};
-  lane_->watch([&] { return cancel.load(); });
+  context_->cancellation().watch([&] { return cancel.load(); });
   std::thread later([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     cancel = true;
@@ -471,40 +474,40 @@ TEST_F(WorkerTest, CancellingReachesTheComponent) {
   later.join();
   EXPECT_EQ(outcome.status, WEFT_CANCELLED);
   EXPECT_EQ(outcome.error.message, "as you wish");
-  lane_->watch(nullptr);
+  context_->cancellation().watch(nullptr);
   EXPECT_EQ(filter(obedient, 2).status, WEFT_OK);
 }
 
 TEST_F(WorkerTest, AWorkerThatDoesNotStopWhenCancelledIsEnded) {
-  Instance& deaf = apart("filters/test_deadly", "{deed: hang}");
-  lane_->cancel() = true;
+  Instance& deaf = isolated("filters/test_deadly", "{deed: hang}");
+  context_->cancellation().flag() = true;
   const Outcome outcome = filter(deaf);
   EXPECT_EQ(outcome.status, WEFT_CANCELLED);
   EXPECT_THAT(outcome.error.message, HasSubstr("did not stop when cancelled"));
 }
 
 TEST_F(WorkerTest, MessagesReachTheLog) {
-  filter(apart("filters/test_deadly", "{deed: log}"));
+  filter(isolated("filters/test_deadly", "{deed: log}"));
   EXPECT_THAT(logged_, ElementsAre("filters 2 so far so good"));
 }
 
 TEST_F(WorkerTest, FlaggedAndAbsentResultsKeepTheirReasons) {
   const misbehaving::TemporaryFolder folder;
   misbehaving::write_file(folder / "model", "");
-  const Outcome flagged = filter(
-      apart("filters/test_strict", "{ratio: 0.25, rounds: 9, model: " + (folder / "model") + "}"));
+  const Outcome flagged = filter(isolated(
+      "filters/test_strict", "{ratio: 0.25, rounds: 9, model: " + (folder / "model") + "}"));
   EXPECT_EQ(flagged.status, WEFT_DEGENERATE);
   EXPECT_EQ(flagged.error.message, "keeps nothing");
   EXPECT_EQ(diag(flagged, "rounds"), 9.0);
-  const Outcome absent = filter(
-      apart("filters/test_good", "{warp: {use: warps/test_shift, params: {always_fails: true}}}"));
+  const Outcome absent = filter(isolated(
+      "filters/test_good", "{warp: {use: warps/test_shift, params: {always_fails: true}}}"));
   EXPECT_EQ(absent.status, WEFT_NO_RESULT);
   EXPECT_EQ(absent.error.message, "told to fail");
   EXPECT_EQ(absent.error.where, "warps/test_shift");
 }
 
 TEST_F(WorkerTest, IllegalOutputsAreCaught) {
-  const Outcome outcome = filter(apart("filters/test_wrong_output", "{mistake: nan}"));
+  const Outcome outcome = filter(isolated("filters/test_wrong_output", "{mistake: nan}"));
   EXPECT_EQ(outcome.status, WEFT_ERROR);
   EXPECT_THAT(outcome.error.message, HasSubstr("'score' holds NaN or infinity"));
 }
@@ -512,55 +515,56 @@ TEST_F(WorkerTest, IllegalOutputsAreCaught) {
 TEST_F(WorkerTest, AWarpIsEvaluatedByItsProducerWhereverThatLives) {
   Points points;
   points.xy_px = Array<double>({1, 2}, 0.0);
-  Instance& far = apart("warps/test_shift", "{shift_px: 3}", 0, "warps");
+  Instance& far = isolated("warps/test_shift", "{shift_px: 3}", 0, "warps");
   const Outcome fitted = fit(far);
   ASSERT_EQ(fitted.status, WEFT_OK) << fitted.error.message;
-  const Outcome samples = lane_->evaluate(*fitted.find("warp"), points, 0);
+  const Outcome samples = context_->evaluate(*fitted.find("warp"), points, 0);
   ASSERT_EQ(samples.status, WEFT_OK) << samples.error.message;
   EXPECT_EQ(view_as<WarpSamples>(*samples.find("warp_samples"))->xy_px(0, 0), 3.0);
 }
 
 TEST_F(WorkerTest, AStageReadsWarpsThatWereMadeElsewhere) {
   Instance& near = here("warps/test_shift", "{shift_px: 1}", "warps");
-  Instance& far = apart("warps/test_shift", "{shift_px: 100}", 0, "warps#2");
-  Instance& reader = apart("passes/test_reader", "{}", 0, "passes");
+  Instance& far = isolated("warps/test_shift", "{shift_px: 100}", 0, "warps#2");
+  Instance& reader = isolated("passes/test_reader", "{}", 0, "passes");
   for (const auto& [maker, shift] : {std::pair{&near, 1.0}, {&far, 100.0}, {&near, 1.0}}) {
     const Outcome fitted = fit(*maker);
     ASSERT_EQ(fitted.status, WEFT_OK) << fitted.error.message;
     const weft_record inputs[] = {templ_->view("template"), camera_->view("camera"),
                                   fitted.find("warp")->view("warp")};
-    lane_->take_timings();
-    const Outcome read = lane_->call(reader, 0, inputs, 0);
+    context_->times().take();
+    const Outcome read = context_->call(reader, 0, inputs, 0);
     ASSERT_EQ(read.status, WEFT_OK) << read.error.message;
     const auto visibility = view_as<Visibility>(*read.find("visibility"));
     EXPECT_EQ(visibility->diag.value("third_x_px", 0.0), 20.0 + shift);
-    EXPECT_THAT(names(lane_->take_timings()),
+    EXPECT_THAT(names(context_->times().take()),
                 ElementsAre(shift == 1.0 ? "warps" : "warps#2", "passes"));
   }
 }
 
 TEST_F(WorkerTest, AProgramThatIsNoWorkerIsNamed) {
-  const auto missing = lane_->instantiate_isolated(
+  const auto missing = context_->instantiate_isolated(
       spec("filters/test_good"), "filters", {"/no/such/worker", std::chrono::milliseconds(0)});
   ASSERT_FALSE(missing);
   EXPECT_THAT(missing.error().message,
               ::testing::AllOf(HasSubstr("/no/such/worker cannot be started: No such file"),
                                HasSubstr("install weft-worker beside the program")));
-  const auto other = lane_->instantiate_isolated(spec("filters/test_good"), "filters",
-                                                 {"/bin/true", std::chrono::milliseconds(0)});
+  const auto other = context_->instantiate_isolated(spec("filters/test_good"), "filters",
+                                                    {"/bin/true", std::chrono::milliseconds(0)});
   ASSERT_FALSE(other);
   EXPECT_THAT(other.error().message, HasSubstr("exited with status 0"));
 }
 
-TEST_F(WorkerTest, ALaneWithoutSharedMemoryHasNoWorkers) {
-  lane_ = std::make_unique<Lane>(7, Lane::Log{});
-  const auto made = lane_->instantiate_isolated(spec("filters/test_good"), "filters", isolation());
+TEST_F(WorkerTest, AContextWithoutSharedMemoryHasNoWorkers) {
+  context_ = std::make_unique<ExecutionContext>(7, ExecutionContext::Log{});
+  const auto made =
+      context_->instantiate_isolated(spec("filters/test_good"), "filters", isolation());
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, Errc::unsupported);
 }
 
 TEST_F(WorkerTest, DamagedAnswersAreErrorsOfTheComponent) {
-  Instance& liar = prepared(lane_->instantiate_isolated(
+  Instance& liar = prepared(context_->instantiate_isolated(
       spec("filters/test_good"), "filters", {WEFT_LIAR, std::chrono::milliseconds(5000)}));
   int honest = 0, refused = 0;
   for (std::uint64_t frame = 0; frame < 200; ++frame) {

@@ -33,7 +33,7 @@ RunMetrics full_run() {
   metrics.all.solved_error.frames = 6;
   metrics.all.solved_error.mean_mm = 1.25;
   metrics.all.solved_error.worst_frame = "f3";
-  metrics.all.held_error.worst_frame = "f5";
+  metrics.all.carried_over_error.worst_frame = "f5";
   metrics.groups.push_back({metrics.all, "mdh", "texture source"});
   metrics.image.overlay_px = 0.75;
   metrics.depth.worst_mm = 11.5;
@@ -105,11 +105,34 @@ TEST(DeclaredMetrics, AreTheSameAfterAWayThroughJson) {
 TEST(DeclaredMetrics, OfOlderProgramsLackWhatTheseDidNotMeasure) {
   json object = json::parse(to_json(full_run()));
   object.erase("certainty");
-  object["all"].erase("error_held");
+  object["all"].erase("error_carried_over");
   const auto metrics = metrics_of(object);
   ASSERT_TRUE(metrics) << metrics.error().message;
   EXPECT_TRUE(std::isnan(metrics->certainty.brier));
   EXPECT_DOUBLE_EQ(metrics->all.solved_error.mean_mm, 1.25);
+}
+
+TEST(DeclaredMetrics, AreReadByTheirFormerNames) {
+  json object = json::parse(to_json(full_run()));
+  json& all = object["all"];
+  all["error_held"] = all["error_carried_over"];
+  all.erase("error_carried_over");
+  all["held"] = 3;
+  all.erase("carried_over");
+  json& frame = object["frames"][0];
+  frame["outcome"] = "held";
+  frame["truth"]["apart"] = "texture source";
+  frame["truth"].erase("excluded");
+  const auto metrics = metrics_of(object);
+  ASSERT_TRUE(metrics) << metrics.error().message;
+  EXPECT_EQ(metrics->all.carried_over_error.worst_frame, "f5");
+  EXPECT_EQ(metrics->all.carried_over, 3);
+  EXPECT_EQ(metrics->frames.at(0).outcome, FrameOutcome::carried_over);
+  EXPECT_EQ(metrics->frames.at(0).exclusion, "texture source");
+  for (const char* path : {"all.held", "all.carried_over"}) {
+    EXPECT_DOUBLE_EQ(*metric_at(object, path), 3.0) << path;
+  }
+  EXPECT_TRUE(metric_at(json::parse(to_json(full_run())), "all.held"));
 }
 
 TEST(DeclaredMetrics, OfAnotherTypeAreRefused) {
@@ -162,8 +185,8 @@ TEST(DeclaredMetrics, SayWhichWayIsBetterWithTheNameOfAStageAndWithout) {
 TEST(DeclaredMetrics, HaveNamesForPeople) {
   EXPECT_EQ(metric_name("all.error_solved.mean_mm"), "mean 3D error");
   EXPECT_EQ(metric_heading("all.error_solved.mean_mm"), "mean 3D error, mm");
-  EXPECT_EQ(metric_name("groups.mdh.error_held.worst_mm"),
-            "3D error of the worst frame of held frames, mdh");
+  EXPECT_EQ(metric_name("groups.mdh.error_carried_over.worst_mm"),
+            "3D error of the worst frame of carried-over frames, mdh");
   EXPECT_EQ(metric_heading("filters.aem.tpr_percent"), "mismatches rejected (TPR), aem, %");
   EXPECT_EQ(metric_name("filters.tpr_percent"), "mismatches rejected (TPR)");
   EXPECT_EQ(metric_name("image.reprojection_frames"), "reprojection frames");

@@ -114,7 +114,7 @@ TEST_F(DepthMetricsTest, AreAbsentWithoutADepthImageAndUnknownWithoutDepthAtMatc
   EXPECT_TRUE(std::isnan(metrics.depth.mean_mm));
 }
 
-TEST_F(DepthMetricsTest, StandApartFromErrorsAtPoints) {
+TEST_F(DepthMetricsTest, AreSeparateFromErrorsAtPoints) {
   add(2.0);
   const RunMetrics metrics = evaluated();
   EXPECT_EQ(metrics.all.frames, 1);

@@ -259,7 +259,8 @@ TEST_F(ImageMetricsTest, CsvHasARowForEachFrameAndQuotesText) {
   const std::string csv = to_csv(evaluated());
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
   EXPECT_THAT(csv, HasSubstr("frame,stem,state,outcome,failed,isometry_error_percent,"));
-  EXPECT_THAT(csv, HasSubstr(",kind,apart,points,points_extrapolated,points_unlocated,mean_mm,"));
+  EXPECT_THAT(csv,
+              HasSubstr(",kind,excluded,points,points_extrapolated,points_unlocated,mean_mm,"));
   EXPECT_THAT(csv, HasSubstr("\n0,f0,estimated,solved,0,"));
   EXPECT_THAT(csv, HasSubstr(",grid,,108,0,0,1,1,1,1,1,"));
   EXPECT_THAT(csv,

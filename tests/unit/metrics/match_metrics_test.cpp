@@ -72,7 +72,7 @@ TEST(FilterRates, LeaveOutWhatEarlierFiltersRejectedAndWhatHasNoLabel) {
   EXPECT_EQ(counts.rejected_right, 1);
 }
 
-TEST(FilterRates, CountScoresOfMismatchesAndOfCorrectMatchesApart) {
+TEST(FilterRates, CountScoresOfMismatchesAndOfCorrectMatchesSeparately) {
   Eigen::VectorXd scores = Eigen::VectorXd::Constant(10, 0.51);
   scores.head<5>() << -3.0, 0.0, 0.024, 0.025, 7.0;
   const FilterCounts counts =

@@ -47,7 +47,7 @@ TEST(MetricsReport, JsonHoldsWhatWasMeasured) {
   EXPECT_EQ(metrics["groups"][0]["missing"], 1);
   EXPECT_NEAR(metrics["groups"][0]["error_solved"]["mean_mm"], 3.0, 1e-9);
   EXPECT_EQ(metrics["groups"][0]["error_solved"]["worst_frame"], "f2");
-  EXPECT_EQ(metrics["groups"][2]["apart"], "texture source");
+  EXPECT_EQ(metrics["groups"][2]["excluded"], "texture source");
   EXPECT_EQ(metrics["all"]["frames"], 4);
   ASSERT_EQ(metrics["frames"].size(), 5U);
   EXPECT_EQ(metrics["frames"][0]["truth"]["no_error_because"], "no shape");
@@ -82,15 +82,15 @@ TEST(MetricsReport, TheTableHasStraightColumnsAndNamesTheAlignment) {
   for (const std::size_t width : widths) EXPECT_EQ(width, widths[0]) << table;
 }
 
-TEST(MetricsReport, RowsApartStandBelowAllOthers) {
+TEST(MetricsReport, RowsOfExcludedFramesAreBelowAllOthers) {
   TestRun run;
   fill(run);
   const std::string table = to_table(evaluated(run));
-  const std::size_t all = table.find("\n  all "), apart = table.find("mdh (texture source)");
+  const std::size_t all = table.find("\n  all "), excluded = table.find("mdh (texture source)");
   ASSERT_NE(all, std::string::npos);
-  ASSERT_NE(apart, std::string::npos);
-  EXPECT_LT(all, apart);
-  EXPECT_THAT(table, HasSubstr("apart, not in the rows above"));
+  ASSERT_NE(excluded, std::string::npos);
+  EXPECT_LT(all, excluded);
+  EXPECT_THAT(table, HasSubstr("excluded, not in the rows above"));
 }
 
 TEST(MetricsReport, FailuresAndOldShapesAreSaid) {
@@ -98,7 +98,7 @@ TEST(MetricsReport, FailuresAndOldShapesAreSaid) {
   fill(run);
   const std::string table = to_table(evaluated(run));
   EXPECT_THAT(table, HasSubstr("mdh: 1 with truth but without a shape"));
-  EXPECT_THAT(table, HasSubstr("totem: 1 held (predicted or lost): mean 30.00"));
+  EXPECT_THAT(table, HasSubstr("totem: 1 carried over (predicted or lost): mean 30.00"));
 }
 
 TEST(MetricsReport, TheFramesTableHasARowForEachFrameAndTheWorstOnes) {

@@ -111,17 +111,17 @@ TEST(Metrics, EachKindHasARowAndAllCountsEachFrameOnce) {
   EXPECT_NEAR(metrics.all.solved_error.mean_mm, 4.0, kExact);  // not 5.25, the mean of the rows
 }
 
-TEST(Metrics, FramesApartCountInTheirOwnRowOnly) {
+TEST(Metrics, ExcludedFramesCountInTheirOwnRowOnly) {
   TestRun run;
   run.solved(2.0, TestRun::truth("mdh"));
   run.solved(100.0, TestRun::truth("mdh", "texture source"));
   run.solved(4.0, TestRun::truth("mdh"));
   const RunMetrics metrics = evaluated(run);
   ASSERT_EQ(metrics.groups.size(), 2U);
-  EXPECT_EQ(metrics.groups[0].apart, "");
+  EXPECT_EQ(metrics.groups[0].exclusion, "");
   EXPECT_EQ(metrics.groups[0].frames, 2);
   EXPECT_NEAR(metrics.groups[0].solved_error.mean_mm, 3.0, kExact);
-  EXPECT_EQ(metrics.groups[1].apart, "texture source");
+  EXPECT_EQ(metrics.groups[1].exclusion, "texture source");
   EXPECT_EQ(metrics.groups[1].kind, "mdh");
   EXPECT_NEAR(metrics.groups[1].solved_error.mean_mm, 100.0, kExact);
   EXPECT_EQ(metrics.all.frames, 2);
@@ -168,11 +168,11 @@ TEST(Metrics, OldShapesAreNotMixedWithSolvedOnes) {
   run.add(ShapeState::lost, run.shifted(40.0), TestRun::truth("mdh"));
   const TruthMetrics all = evaluated(run).all;
   EXPECT_EQ(all.solved, 1);
-  EXPECT_EQ(all.held, 2);
+  EXPECT_EQ(all.carried_over, 2);
   EXPECT_EQ(all.failures(), 1);  // 40 mm are more than a tenth of the diagonal
   EXPECT_NEAR(all.solved_error.mean_mm, 1.0, kExact);
-  EXPECT_NEAR(all.held_error.mean_mm, 30.0, kExact);
-  EXPECT_EQ(all.held_error.worst_frame, "f2");
+  EXPECT_NEAR(all.carried_over_error.mean_mm, 30.0, kExact);
+  EXPECT_EQ(all.carried_over_error.worst_frame, "f2");
 }
 
 TEST(Metrics, EachFrameIsCountedByItsStateAlsoWithoutTruth) {

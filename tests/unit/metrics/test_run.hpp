@@ -74,17 +74,17 @@ class TestRun {
 
   /// Truth at the points xy [T,2] m.
   static GroundTruth truth_at(const Points2& xy_m, const std::string& kind,
-                              const std::string& apart = "") {
+                              const std::string& exclusion = "") {
     Points3 points_m(xy_m.rows(), 3);
     for (Eigen::Index i = 0; i < xy_m.rows(); ++i) points_m.row(i) = place(xy_m.row(i));
-    return {make_array<double>(xy_m), make_array<double>(points_m), kind, apart};
+    return {make_array<double>(xy_m), make_array<double>(points_m), kind, exclusion};
   }
 
   /// Truth at five points, among them a vertex, an edge, and insides of faces.
-  static GroundTruth truth(const std::string& kind, const std::string& apart = "") {
+  static GroundTruth truth(const std::string& kind, const std::string& exclusion = "") {
     Points2 xy_m(5, 2);
     xy_m << 0.0, 0.0, 0.05, 0.0, 0.1234, 0.0567, 0.2, 0.17, 0.28, 0.03;
-    return truth_at(xy_m, kind, apart);
+    return truth_at(xy_m, kind, exclusion);
   }
 
   /// Writes the next frame; its stem is "f" and its index. Without vertices the state is none.

@@ -98,7 +98,7 @@ TEST_F(CallRules, AStageIsCalledEverySoManyFramesOrWhereOneOfSeveralIsNotOk) {
   EXPECT_EQ(several.status(1, "matchers"), "skipped: not called: 'a' is ok, 'b' is ok");
 }
 
-TEST_F(CallRules, StandInTheEffectiveConfigurationAndMayBeSet) {
+TEST_F(CallRules, AreListedInTheEffectiveConfigurationAndMayBeSet) {
   const std::string text = with_fallback("{}", "{not_ok: [cheap], every: 4}");
   const auto [config, report] = load(text);
   ASSERT_TRUE(report.ok()) << report.text();

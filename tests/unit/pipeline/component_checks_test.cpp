@@ -34,10 +34,11 @@ TEST_F(ComponentChecks, PlaceAMistakeAboutNoParameterAtTheComponent) {
 
 TEST_F(ComponentChecks, ReachNestedComponents) {
   EXPECT_THAT(
-      mistakes(head() + "stages:\n"
-                        "  - use: solvers/test.holder\n"
-                        "    params: {start: {use: solvers/test.scripted, params: {doubt: so}}}\n"),
-      ::testing::Contains("6:66: so"));
+      mistakes(head() +
+               "stages:\n"
+               "  - use: solvers/test.holder\n"
+               "    params: {initial_guess: {use: solvers/test.scripted, params: {doubt: so}}}\n"),
+      ::testing::Contains("6:74: so"));
 }
 
 TEST_F(ComponentChecks, AreInOnePassWithAllOtherMistakes) {
@@ -83,8 +84,8 @@ TEST_F(ComponentChecks, AskTheSameComponentWithTheSameValuesOnce) {
   for (const int frames : {1, 2, 1, 1, 2}) {
     const std::string pipeline = write(text_with(frames));
     const auto paths = host::PathRules::of_process({}, path("run"));
-    const auto checked = check_pipeline(pipeline, read_document(pipeline, {}, paths), registry_,
-                                        path("run"), &checks);
+    const auto checked = check_pipeline(pipeline, read_document(pipeline, {}, registry_, paths),
+                                        registry_, path("run"), &checks);
     EXPECT_TRUE(checked.second.ok()) << checked.second.text();
   }
   EXPECT_EQ(testing::read_lines(file).size(), 2U);

@@ -131,17 +131,17 @@ TEST(Compose, MatchesInMetresAreRefusedForATemplateWithoutScale) {
             "matches are in metres on a template that has no m_per_px: give template_px");
 }
 
-TEST(Compose, AShapeThatIsHeldClaimsNothing) {
+TEST(Compose, ACarriedOverShapeHasNoConfidence) {
   Shape shape;
   shape.vertices_m = Array<double>({2, 3}, 0.0);
   shape.source = Array<std::uint8_t>({2}, 0);
   shape.covariance_m2 = Array<double>({2, 3, 3}, 0.0);
   shape.confidence = 0.9;
   const host::RecordPtr aged = aged_shape(*host::Record::copy_of(shape), 1, 5);
-  const Shape held = *host::view_as<Shape>(*aged);
-  EXPECT_EQ(held.shape_state(), ShapeState::predicted);
-  EXPECT_EQ(held.confidence, 0.0);
-  EXPECT_FALSE(held.covariance_m2.present());
+  const Shape carried_over = *host::view_as<Shape>(*aged);
+  EXPECT_EQ(carried_over.shape_state(), ShapeState::predicted);
+  EXPECT_EQ(carried_over.confidence, 0.0);
+  EXPECT_FALSE(carried_over.covariance_m2.present());
 }
 
 }  // namespace

@@ -197,7 +197,7 @@ TEST_F(Config, ReportsASyntaxErrorAlone) {
   ASSERT_EQ(report.problems.size(), 1U) << report.text();
   EXPECT_EQ(report.problems[0].at.line, 3);
   EXPECT_THAT(report.text(), StartsWith(path("pipeline.yaml") + ":3:"));
-  EXPECT_FALSE(report.wirable);
+  EXPECT_TRUE(report.unclear_stages);
 }
 
 TEST_F(Config, KnowsTheKeysThatLayFilesOverOneAnother) {

@@ -97,7 +97,7 @@ TEST_F(Documents, PutsNewStagesThatAreListedFirstBeforeTheOneListedAfterThem) {
   EXPECT_EQ(config.stages[3].name, "matchers");
 }
 
-TEST_F(Documents, PutsANewStageThatStandsAloneToTheEnd) {
+TEST_F(Documents, AppendsANewStageWithoutNeighbours) {
   const auto [config, report] = over("stages:\n  - {use: solvers/test.scripted, as: again}\n");
   ASSERT_TRUE(report.ok()) << report.text();
   EXPECT_EQ(names_and_ids(config.stages).back(), "again=solvers/test.scripted");
@@ -160,14 +160,14 @@ TEST_F(Documents, RefusesToDoWithoutWhatIsNotThere) {
               ElementsAre(StartsWith("2:10: 'without' needs 'extends'")));
 }
 
-TEST_F(Documents, NamesTheFileInWhichAMistakeStands) {
+TEST_F(Documents, ReportsTheFileThatContainsAnError) {
   write(chain({{"filters", "{evry: 3}"}}), "base.yaml");
   const auto report = over("seed: -1\n").second;
   EXPECT_THAT(report.text(), StartsWith(path("pipeline.yaml") + ":3:7: 'seed' must be"));
   EXPECT_THAT(report.text(), HasSubstr(path("base.yaml") + ":7:43: filters/test.scripted has no"));
 }
 
-TEST_F(Documents, ResolvesPathsAgainstTheFileInWhichTheyStand) {
+TEST_F(Documents, ResolvesPathsAgainstTheFileThatContainsThem) {
   std::filesystem::create_directories(path("far"));
   write("x", "far/there.txt");
   write("x", "here.txt");
@@ -195,7 +195,7 @@ TEST_F(Documents, RefusesAChainThatCannotBeFollowed) {
                                           path("pipeline.yaml") + " extends itself\n");
 }
 
-TEST_F(Documents, ChecksWhatStandsOnItsOwnOverAFileThatCannotBeRead) {
+TEST_F(Documents, ChecksAnExtensionOfAFileThatCannotBeRead) {
   write("weft: [1\n", "base.yaml");
   const auto report = over("seed: -1\n").second;
   ASSERT_EQ(report.problems.size(), 2U) << report.text();

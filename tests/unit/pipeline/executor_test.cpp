@@ -138,7 +138,7 @@ TEST_F(Execution, LeavesMatchesWhereTheyAreAndTakesTheLastScores) {
   }
 }
 
-TEST_F(Execution, UsesDegenerateResultsAndCountsThemApart) {
+TEST_F(Execution, UsesDegenerateResultsAndCountsThemSeparately) {
   for (const char* role : {"detectors", "matchers", "filters", "warps", "passes", "solvers"}) {
     const Ran ran = run(chain({{role, "{degenerate_at: [1]}"}}), role);
     EXPECT_EQ(ran.states(), "estimated estimated estimated") << role;
@@ -258,14 +258,14 @@ TEST_F(Execution, RunsNestedComponentsAndReportsTheirTime) {
                       "    params: {warp: {use: warps/test.scripted, params: {error_at: [1]}}}\n"
                       "  - {use: warps/test.scripted}\n"
                       "  - {use: passes/test.scripted}\n"
-                      "  - {use: solvers/test.holder, params: {start: {use: "
+                      "  - {use: solvers/test.holder, params: {initial_guess: {use: "
                       "solvers/test.scripted}}}\n");
   EXPECT_EQ(ran.states(), "estimated predicted/1");
   EXPECT_EQ(ran.status(1, "filters"), "error: warps/test.scripted: scripted error");
   std::set<std::string> timed;
   for (const host::Timing& timing : ran.frames[0].timings) timed.insert(timing.component);
   EXPECT_THAT(timed, ::testing::IsSupersetOf({"sources", "filters", "filters/warp", "warps",
-                                              "solvers", "solvers/start"}));
+                                              "solvers", "solvers/initial_guess"}));
 }
 
 TEST_F(Execution, GivesTruthToComponentsThatUseIt) {
@@ -278,7 +278,7 @@ TEST_F(Execution, GivesTruthToComponentsThatUseIt) {
   EXPECT_EQ(without.status(0, "filters"), "skipped: sources: no ground_truth");
 }
 
-TEST_F(Execution, DrawsTheSameForAStageNameWhateverStandsBeforeIt) {
+TEST_F(Execution, DrawsTheSameForAStageNameWhateverPrecedesIt) {
   const auto text = [](const std::string& filters) {
     return head("{frames: 2}") + "stages:\n  - {use: matchers/test.pattern}\n" + filters +
            "  - {use: warps/test.scripted}\n  - {use: passes/test.scripted}\n"

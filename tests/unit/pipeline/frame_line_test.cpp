@@ -175,7 +175,7 @@ TEST(FrameLine, BehindTheLastFrameNoneTakesAnotherStep) {
   EXPECT_EQ(diary.place("2 of 5"), -1);
 }
 
-TEST(FrameLine, OfTwoFailuresThatOfTheEarlierFrameIsTold) {
+TEST(FrameLine, OfTwoFailuresThatOfTheEarlierFrameIsReported) {
   Diary diary;
   FrameLine line(std::vector<StepRule>(2), 1, 2);
   const auto fail = [&](std::size_t step, std::uint64_t frame) {

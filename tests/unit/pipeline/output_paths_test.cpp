@@ -127,7 +127,7 @@ TEST_F(OutputPaths, NeverGoOverThePipelineItselfOrALibrary) {
   EXPECT_THAT(answer(over(WEFT_TEST_PLUGINS)), HasSubstr("would overwrite the library of "));
 }
 
-TEST_F(OutputPaths, OfOnePipelineKeepApart) {
+TEST_F(OutputPaths, OfOnePipelineStaySeparate) {
   const auto second = [&](const std::string& one, const std::string& other) {
     return answer("", {to(one), to(other)});
   };
@@ -164,7 +164,7 @@ TEST_F(OutputPaths, MayBeAllowedOnTheCommandLine) {
             "--set sinks.overwrite=maybe, column 17: 'overwrite' must be true or false\n");
 }
 
-TEST_F(OutputPaths, OfAnEffectiveConfigurationStandInTheNewRunFolder) {
+TEST_F(OutputPaths, OfAnEffectiveConfigurationAreInTheNewRunFolder) {
   const Ran first = run(pipeline("", {to("a/lines.txt")}));
   const auto [again, report] =
       check_pipeline(first.folder + "/pipeline.yaml", registry_, path("run2"));

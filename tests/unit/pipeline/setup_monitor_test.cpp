@@ -57,14 +57,14 @@ class SetupMonitorTest : public ::testing::Test {
   }
 
   /// What each frame warned of for the first time: "", or the texts, each with a line break.
-  std::vector<std::string> told_by(SetupMonitor& monitor, std::vector<FrameResult>& frames) {
-    std::vector<std::string> told;
+  std::vector<std::string> warnings_of(SetupMonitor& monitor, std::vector<FrameResult>& frames) {
+    std::vector<std::string> warnings;
     for (FrameResult& frame : frames) {
       monitor.add(graph_, frame);
-      std::string& text = told.emplace_back();
+      std::string& text = warnings.emplace_back();
       for (const std::string& warning : frame.warnings) text += warning + "\n";
     }
-    return told;
+    return warnings;
   }
 
   /// Of a sheet that is longer by that share of its width, or of its height.
@@ -96,7 +96,7 @@ class SetupMonitorTest : public ::testing::Test {
 TEST_F(SetupMonitorTest, SaysNothingOfASetUpThatIsRight) {
   SetupMonitor monitor = watch(real_);
   std::vector<FrameResult> frames = sheet_frames(12, real_);
-  EXPECT_THAT(told_by(monitor, frames), ::testing::Each(IsEmpty()));
+  EXPECT_THAT(warnings_of(monitor, frames), ::testing::Each(IsEmpty()));
   EXPECT_THAT(monitor.warnings(), IsEmpty());
   for (const FrameResult& frame : frames) {
     EXPECT_EQ(frame.shape, frame.values[1]);
@@ -116,7 +116,7 @@ TEST_F(SetupMonitorTest, MakesFramesWeakFromTheOneOnInWhichTheFocalLengthTurnsOu
     given.fy *= wrong;
     SetupMonitor monitor = watch(given);
     std::vector<FrameResult> frames = sheet_frames(6, given);
-    told_by(monitor, frames);
+    warnings_of(monitor, frames);
     const std::map<std::string, double> found = [&] {
       const auto figures = monitor.camera();
       return std::map<std::string, double>(figures.begin(), figures.end());
@@ -147,7 +147,7 @@ TEST_F(SetupMonitorTest, BlamesNoCameraForAShapeThatTheSolverCallsWeakItself) {
   SetupMonitor monitor = watch(given);
   std::vector<FrameResult> frames = sheet_frames(4, given);
   for (FrameResult& frame : frames) frame.state = ShapeState::weak;
-  told_by(monitor, frames);
+  warnings_of(monitor, frames);
   EXPECT_EQ(frames[3].state, ShapeState::weak);
   EXPECT_THAT(monitor.warnings()[0].text, ::testing::Not(HasSubstr("frames that are weak")));
 }
@@ -159,7 +159,7 @@ TEST_F(SetupMonitorTest, ClaimsNothingOfTheCameraThatAStretchedSheetExplains) {
     next_ = 0;
     SetupMonitor monitor = watch(real_);
     std::vector<FrameResult> frames = stretched_frames(30, by_width, by_height);
-    told_by(monitor, frames);
+    warnings_of(monitor, frames);
     for (const FrameResult& frame : frames) {
       EXPECT_EQ(frame.state, ShapeState::estimated);
       const double confidence = host::arrays_of<Shape>(*frame.shape)->confidence;
@@ -182,10 +182,10 @@ TEST_F(SetupMonitorTest, TellsAWrongFocalLengthOnceInAFrameAndAtTheEndWithItsFig
   given.fy *= 1.25;
   SetupMonitor monitor = watch(given);
   std::vector<FrameResult> frames = sheet_frames(6, given);
-  const std::vector<std::string> told = told_by(monitor, frames);
-  EXPECT_THAT(told[1], IsEmpty()) << "two frames are too few";
-  EXPECT_THAT(told[2], HasSubstr("the focal length seems to be 0.8"));
-  for (std::size_t i = 3; i < 6; ++i) EXPECT_THAT(told[i], IsEmpty());
+  const std::vector<std::string> warnings = warnings_of(monitor, frames);
+  EXPECT_THAT(warnings[1], IsEmpty()) << "two frames are too few";
+  EXPECT_THAT(warnings[2], HasSubstr("the focal length seems to be 0.8"));
+  for (std::size_t i = 3; i < 6; ++i) EXPECT_THAT(warnings[i], IsEmpty());
   ASSERT_EQ(monitor.warnings().size(), 1U);
   EXPECT_EQ(monitor.warnings()[0].component, "setup");
   EXPECT_EQ(monitor.warnings()[0].frames, 6);
@@ -210,7 +210,7 @@ TEST_F(SetupMonitorTest, TakesFramesThatLookAlikeForOne) {
     const SeenSheet seen = testing::see_bent_sheet(templ_, real_, given, 0.0, 1, rng_);
     frames.push_back(frame(seen.matches, &seen.vertices_m));
   }
-  EXPECT_THAT(told_by(monitor, frames), ::testing::Each(IsEmpty()));
+  EXPECT_THAT(warnings_of(monitor, frames), ::testing::Each(IsEmpty()));
 }
 
 TEST_F(SetupMonitorTest, TellsWrongProportionsAndALensThatBendsLines) {
@@ -218,7 +218,7 @@ TEST_F(SetupMonitorTest, TellsWrongProportionsAndALensThatBendsLines) {
   given.fx *= 1.1;
   SetupMonitor flattened = watch(given);
   std::vector<FrameResult> frames = sheet_frames(6, given);
-  told_by(flattened, frames);
+  warnings_of(flattened, frames);
   ASSERT_EQ(flattened.warnings().size(), 1U);
   EXPECT_THAT(flattened.warnings()[0].text, ::testing::StartsWith("fx seems to be 0.9"));
 
@@ -226,7 +226,7 @@ TEST_F(SetupMonitorTest, TellsWrongProportionsAndALensThatBendsLines) {
   given.fx = 1.25 * real_.fx;
   SetupMonitor squeezed = watch(given);
   frames = sheet_frames(6, given);
-  told_by(squeezed, frames);
+  warnings_of(squeezed, frames);
   ASSERT_EQ(squeezed.warnings().size(), 1U);
   EXPECT_THAT(squeezed.warnings()[0].text, ::testing::StartsWith("fx seems to be 0.8"));
   EXPECT_EQ(frames[5].state, ShapeState::weak) << "no sheet stretches by so much";
@@ -234,7 +234,7 @@ TEST_F(SetupMonitorTest, TellsWrongProportionsAndALensThatBendsLines) {
   next_ = 0;
   SetupMonitor bent = watch(real_);
   frames = sheet_frames(6, real_, -0.3);
-  told_by(bent, frames);
+  warnings_of(bent, frames);
   ASSERT_EQ(bent.warnings().size(), 1U);
   EXPECT_THAT(bent.warnings()[0].text, HasSubstr("the lens seems to bend straight lines"));
 }
@@ -244,7 +244,7 @@ TEST_F(SetupMonitorTest, TellsAPrincipalPointThatIsOff) {
   given.cx += 60.0;
   SetupMonitor monitor = watch(given);
   std::vector<FrameResult> frames = sheet_frames(6, given);
-  told_by(monitor, frames);
+  warnings_of(monitor, frames);
   ASSERT_EQ(monitor.warnings().size(), 1U);
   EXPECT_THAT(monitor.warnings()[0].text, HasSubstr("px left of and "));
 }
@@ -257,7 +257,7 @@ TEST_F(SetupMonitorTest, SaysOfAllFramesTogetherWhereThePrincipalPointLies) {
   SetupMonitor monitor = watch(given);
   std::vector<FrameResult> frames = sheet_frames(6, given);
   EXPECT_THAT(monitor.camera(), IsEmpty());
-  told_by(monitor, frames);
+  warnings_of(monitor, frames);
   EXPECT_THAT(monitor.warnings(), IsEmpty());
   std::map<std::string, double> found;
   for (const auto& [name, value] : monitor.camera()) found[name] = value;
@@ -281,7 +281,7 @@ TEST_F(SetupMonitorTest, CountsFramesWhoseFilterHadNoResult) {
     frames.push_back(frame(seen.matches, nullptr));
     frames.back().values.push_back(nullptr);
   }
-  told_by(monitor, frames);
+  warnings_of(monitor, frames);
   ASSERT_EQ(monitor.warnings().size(), 1U);
   EXPECT_THAT(monitor.warnings()[0].text, HasSubstr("recognised in 0 of 6 frames"));
 }
@@ -295,7 +295,7 @@ TEST_F(SetupMonitorTest, MissesNoShapeWhereNothingSolves) {
     frames.push_back(frame(seen.matches, nullptr));
     frames.back().values.pop_back();
   }
-  EXPECT_THAT(told_by(monitor, frames), ::testing::Each(IsEmpty()));
+  EXPECT_THAT(warnings_of(monitor, frames), ::testing::Each(IsEmpty()));
 }
 
 TEST_F(SetupMonitorTest, TellsThatTheTextureIsNotThatOfTheObject) {
@@ -309,9 +309,9 @@ TEST_F(SetupMonitorTest, TellsThatTheTextureIsNotThatOfTheObject) {
     }
     frames.push_back(frame(seen.matches, nullptr));
   }
-  const std::vector<std::string> told = told_by(monitor, frames);
-  EXPECT_THAT(told[3], IsEmpty());
-  EXPECT_THAT(told[4], HasSubstr("the texture was recognised in 0 of 5 frames"));
+  const std::vector<std::string> warnings = warnings_of(monitor, frames);
+  EXPECT_THAT(warnings[3], IsEmpty());
+  EXPECT_THAT(warnings[4], HasSubstr("the texture was recognised in 0 of 5 frames"));
   ASSERT_EQ(monitor.warnings().size(), 1U);
 }
 
@@ -323,7 +323,7 @@ TEST_F(SetupMonitorTest, TellsThatAnObjectIsTooFastToBeFollowed) {
     seen.vertices_m.col(0).array() += 0.12 * i;
     frames.push_back(frame(seen.matches, &seen.vertices_m));
   }
-  told_by(monitor, frames);
+  warnings_of(monitor, frames);
   ASSERT_EQ(monitor.warnings().size(), 1U);
   EXPECT_THAT(monitor.warnings()[0].text, HasSubstr("take more frames a second"));
 }
@@ -342,7 +342,7 @@ TEST_F(SetupMonitorTest, TellsThatASecondPrintIsInViewOrThatAPartIsElsewhere) {
       }
       frames.push_back(frame(seen.matches, &seen.vertices_m));
     }
-    told_by(monitor, frames);
+    warnings_of(monitor, frames);
     ASSERT_EQ(monitor.warnings().size(), 1U);
     EXPECT_THAT(monitor.warnings()[0].text,
                 HasSubstr(elsewhere ? "lie elsewhere" : "second print"));
@@ -363,7 +363,7 @@ TEST_F(SetupMonitorTest, MakesAnUnorderedImageOfTwoPrintsWeakAndNoOther) {
       }
       frames.push_back(frame(seen.matches, &seen.vertices_m));
     }
-    told_by(monitor, frames);
+    warnings_of(monitor, frames);
     for (int i = 0; i < kImages; ++i) {
       SCOPED_TRACE(i);
       const FrameResult& frame = frames[static_cast<std::size_t>(i)];
@@ -389,7 +389,7 @@ TEST_F(SetupMonitorTest, DoesNotRaiseTheConfidenceOfAWrongCameraForASecondPrint)
     seen.matches.image_px(m, 1) += 300.0;
   }
   frames.push_back(frame(seen.matches, &seen.vertices_m));
-  told_by(monitor, frames);
+  warnings_of(monitor, frames);
   const auto before = *host::view_as<Shape>(*frames[4].values[1]);
   const auto last = *host::view_as<Shape>(*frames[5].values[1]);
   EXPECT_LT(before.confidence, 0.05) << "the focal length is known to be wrong";
@@ -402,7 +402,7 @@ TEST_F(SetupMonitorTest, LooksLessAndLessOften) {
   SetupMonitor monitor = watch(real_);
   std::vector<std::uint64_t> looked;
   std::vector<FrameResult> frames = sheet_frames(30, real_);
-  told_by(monitor, frames);
+  warnings_of(monitor, frames);
   for (const FrameResult& frame : frames) {
     if (!frame.setup.empty()) looked.push_back(frame.index);
   }

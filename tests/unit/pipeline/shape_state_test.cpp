@@ -118,7 +118,7 @@ TEST_F(States, TakesTheLastShapeOfTwoSolversAndTheFirstWhereTheLastFails) {
   EXPECT_THAT(testing::read_lines(ran.folder + "/lines.txt"), Each(HasSubstr("estimated 24")));
 }
 
-TEST_F(States, GivesTheShapeAsItStoodSoManyFramesAgo) {
+TEST_F(States, GivesTheShapeOfTheGivenNumberOfFramesAgo) {
   const std::string text = chain({{"sources", "{frames: 6}"}, {"solvers", "{no_result_at: [2]}"}});
   const std::string filter = "  - {use: filters/test.scripted, params: {}";
   std::string late = text;

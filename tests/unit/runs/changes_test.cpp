@@ -25,15 +25,15 @@ using ::testing::SizeIs;
 
 class Changes : public testing::PipelineTest {
  protected:
-  /// A run at whose sink these wishes are made: "2: pause" when two frames were written.
-  Ran steer(const std::string& wishes, std::map<std::string, std::string> params = {},
+  /// A run at whose sink these change requests are made: "2: pause" when two frames were written.
+  Ran steer(const std::string& requests, std::map<std::string, std::string> params = {},
             const std::string& options = "", std::optional<RecordedRun> repeated = {},
             const std::string& out = "run") const {
     params.try_emplace("sources", "{frames: 40}");
     const std::string text = chain(params, options) +
                              "  - {use: sinks/test.steering, as: wheel, params: {path: wheel.txt, "
                              "wishes: {" +
-                             wishes + "}}}\n";
+                             requests + "}}}\n";
     Ran ran;
     ran.folder = path(out);
     const auto [pipeline, report] = check_pipeline(write(text), registry_, ran.folder);
@@ -86,7 +86,7 @@ TEST_F(Changes, AParameterHoldsFromTheFrameOnThatSaysSo) {
               ElementsAre("answer 0 frame " + std::to_string(changes.begin()->first) + " "));
 }
 
-TEST_F(Changes, TheLineOfTheFrameAndTheSinksAreToldOfIt) {
+TEST_F(Changes, TheLineOfTheFrameAndTheSinksReceiveIt) {
   const Ran ran = steer("1: set filters.every=5", kLong);
   ASSERT_TRUE(ran.summary) << ran.summary.error().message;
   const ChangesByFrame changes = changes_of(ran);
@@ -97,10 +97,10 @@ TEST_F(Changes, TheLineOfTheFrameAndTheSinksAreToldOfIt) {
     const json line = json::parse(lines[i]);
     EXPECT_EQ(line.contains("changes"), i == frame) << lines[i];
   }
-  const std::vector<std::string> told = read_lines(ran.folder + "/wheel.txt");
+  const std::vector<std::string> printed = read_lines(ran.folder + "/wheel.txt");
   // "frame N settings REVISION REPORT"
   std::set<std::string> before, after;
-  for (const std::string& line : told) {
+  for (const std::string& line : printed) {
     if (!line.starts_with("frame ")) continue;
     const std::size_t start = line.find(" settings ") + 10, end = line.find(' ', start);
     const std::uint64_t index = std::stoull(line.substr(6));
@@ -160,19 +160,19 @@ TEST_F(Changes, TheEndIsTheEndOfARunThatStoppedEarly) {
 }
 
 TEST_F(Changes, ARunWithTwentyOfThemIsRepeatedToTheByte) {
-  std::string wishes;
+  std::string requests;
   for (int i = 0; i < 20; ++i) {
     const char* parameter = i % 2 == 0 ? "filters.every" : "solvers.distance_m";
     const int value = 2 + i % 7;
-    wishes += (i > 0 ? ", " : "") + std::to_string(3 * i) + ": \"set " + parameter + "=" +
-              std::to_string(value) + "\"";
+    requests += (i > 0 ? ", " : "") + std::to_string(3 * i) + ": \"set " + parameter + "=" +
+                std::to_string(value) + "\"";
   }
   const std::map<std::string, std::string> params{{"sources", "{frames: 200}"},
                                                   {"filters", "{every: 0, sleep_ms: 3}"}};
   for (const char* options : {"", "frames_at_once: 4\nthreads: 4"}) {
     SCOPED_TRACE(options);
     const std::string suffix = *options == '\0' ? "" : "_overlapping";
-    const Ran first = steer(wishes, params, options, {}, "first" + suffix);
+    const Ran first = steer(requests, params, options, {}, "first" + suffix);
     ASSERT_TRUE(first.summary) << first.summary.error().message;
     std::size_t count = 0;
     for (const auto& [frame, changes] : changes_of(first)) count += changes.size();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
-#include "pipeline/runs/replay.hpp"
+#include "pipeline/dumps/replay.hpp"
 #include "support/pipeline_fixture.hpp"
 
 namespace weft {

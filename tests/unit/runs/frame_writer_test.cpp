@@ -53,7 +53,7 @@ TEST(FrameWriter, WritesFramesInTheirOrderInAThreadOfItsOwn) {
   EXPECT_NE(where, std::this_thread::get_id());
 }
 
-TEST(FrameWriter, NobodyWaitsForAFrameThatHasRoom) {
+TEST(FrameWriter, AFrameThatHasRoomDoesNotBlock) {
   std::promise<void> both_put;
   FrameWriter writer(2, [wait = both_put.get_future().share()](FrameOnItsWay&) { wait.wait(); });
   EXPECT_TRUE(writer.put(numbered(0)));

@@ -34,7 +34,7 @@ PipelineInput::Frame frame_at(std::uint64_t index, bool timed = true) {
 void ignore(std::uint64_t) {}
 
 /// "5 +3": frame 5, with 3 dropped before it.
-std::string told_of(const std::optional<PipelineInput::Frame>& frame) {
+std::string text_of(const std::optional<PipelineInput::Frame>& frame) {
   if (!frame) return "none";
   return std::to_string(frame->input.index) + " +" + std::to_string(frame->input.dropped_before);
 }
@@ -47,22 +47,22 @@ TEST(LatestFrames, GivesTheNewestFrameThatIsThereByItsTime) {
                       clock);
   ASSERT_TRUE(clock.put_forward(milliseconds(0)));    // frame 0 is there, frame 1 is waited for
   ASSERT_TRUE(clock.put_forward(milliseconds(100)));  // 0, 40 and 80 ms
-  EXPECT_EQ(told_of(frames.take(never)), "2 +2");
+  EXPECT_EQ(text_of(frames.take(never)), "2 +2");
   ASSERT_TRUE(clock.put_forward(milliseconds(20)));  // 120 ms
-  EXPECT_EQ(told_of(frames.take(never)), "3 +0");
+  EXPECT_EQ(text_of(frames.take(never)), "3 +0");
   ASSERT_TRUE(clock.put_forward(milliseconds(79)));  // 160 ms; 200 ms is 1 ms away
-  EXPECT_EQ(told_of(frames.take(never)), "4 +0");
+  EXPECT_EQ(text_of(frames.take(never)), "4 +0");
   ASSERT_TRUE(clock.put_forward(milliseconds(201)));  // up to 400 ms
-  EXPECT_EQ(told_of(frames.take(never)), "10 +5");
+  EXPECT_EQ(text_of(frames.take(never)), "10 +5");
   EXPECT_THAT(dropped, ElementsAre(0, 1, 5, 6, 7, 8, 9));
 }
 
 TEST(LatestFrames, TheFirstFrameIsThereAtOnceAndTheLastOneIsTaken) {
   ControlledClock clock;
   LatestFrames frames({[](std::uint64_t i) { return frame_at(i); }, ignore, 1, false}, clock);
-  EXPECT_EQ(told_of(frames.take(never)), "0 +0");
-  EXPECT_EQ(told_of(frames.take(never)), "none");
-  EXPECT_EQ(told_of(frames.take(never)), "none");
+  EXPECT_EQ(text_of(frames.take(never)), "0 +0");
+  EXPECT_EQ(text_of(frames.take(never)), "none");
+  EXPECT_EQ(text_of(frames.take(never)), "none");
 }
 
 TEST(LatestFrames, FramesOfALiveSourceAreThereWhenTheyAreRead) {
@@ -72,13 +72,13 @@ TEST(LatestFrames, FramesOfALiveSourceAreThereWhenTheyAreRead) {
     return i < kFrames ? std::optional(frame_at(i)) : std::nullopt;
   };
   for (const bool timed : {true, false}) {
-    std::atomic<std::uint64_t> told{0};
+    std::atomic<std::uint64_t> reported{0};
     LatestFrames frames({[&](std::uint64_t i) {
                            auto frame = read(i);
                            if (frame && !timed) frame->input.records.clear();
                            return frame;
                          },
-                         [&](std::uint64_t) { ++told; }, -1, timed},
+                         [&](std::uint64_t) { ++reported; }, -1, timed},
                         clock);
     std::uint64_t next = 0, dropped = 0;
     while (const auto frame = frames.take(never)) {
@@ -87,7 +87,7 @@ TEST(LatestFrames, FramesOfALiveSourceAreThereWhenTheyAreRead) {
       dropped += frame->input.dropped_before;
     }
     EXPECT_EQ(next, kFrames) << "the last one is taken";
-    EXPECT_EQ(told, dropped);
+    EXPECT_EQ(reported, dropped);
   }
 }
 
@@ -114,9 +114,9 @@ TEST(LatestFrames, WhoWaitsForAFrameCanBeCancelled) {
   ControlledClock clock;
   std::atomic<bool> cancel{false};
   LatestFrames frames({[](std::uint64_t i) { return frame_at(i); }, ignore, -1, false}, clock);
-  EXPECT_EQ(told_of(frames.take(never)), "0 +0");
+  EXPECT_EQ(text_of(frames.take(never)), "0 +0");
   std::thread canceller([&] { cancel = true; });
-  EXPECT_EQ(told_of(frames.take([&] { return cancel.load(); })), "none") << "40 ms never come";
+  EXPECT_EQ(text_of(frames.take([&] { return cancel.load(); })), "none") << "40 ms never come";
   canceller.join();
 }
 
@@ -128,7 +128,7 @@ TEST(LatestFrames, ThrowsWhatReadingThrewBehindTheFramesBeforeIt) {
                        },
                        ignore, -1, true},
                       clock);
-  EXPECT_EQ(told_of(frames.take(never)), "0 +0");
+  EXPECT_EQ(text_of(frames.take(never)), "0 +0");
   EXPECT_THROW(frames.take(never), std::runtime_error);
 }
 
@@ -140,9 +140,9 @@ TEST(LatestFrames, TimesThatNoClockReachesAreWaitedForAsLongAsTheyMust) {
     return std::optional(std::move(frame));
   };
   LatestFrames frames({read, ignore, 3, false}, clock);
-  EXPECT_EQ(told_of(frames.take(never)), "0 +0");
+  EXPECT_EQ(text_of(frames.take(never)), "0 +0");
   EXPECT_TRUE(clock.put_forward(milliseconds(1000)));
-  EXPECT_EQ(told_of(frames.take([] { return true; })), "none");
+  EXPECT_EQ(text_of(frames.take([] { return true; })), "none");
 }
 
 }  // namespace

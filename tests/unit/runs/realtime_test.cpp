@@ -167,7 +167,7 @@ TEST_F(Realtime, EndsAtOnceWhereItIsStoppedWhileTheSourceWaits) {
   EXPECT_TRUE(summary->cancelled);
 }
 
-TEST_F(Realtime, EndsBehindTheFirstErrorIfToldTo) {
+TEST_F(Realtime, EndsAfterTheFirstErrorIfConfigured) {
   const Ran ran = run(chain({{"sources", "{frames: 30, live: true, error_at: [3]}"}},
                             "realtime: latest\non_error: stop"));
   ASSERT_TRUE(ran.summary) << ran.summary.error().message;

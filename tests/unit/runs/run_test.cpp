@@ -254,7 +254,7 @@ TEST_F(Runs, FinishTheSinksWhateverHappens) {
   EXPECT_EQ(read_lines(finishing.folder + "/c.txt").size(), 3U);
 }
 
-TEST_F(Runs, StopAtTheFirstErrorIfToldTo) {
+TEST_F(Runs, StopAtTheFirstErrorIfConfigured) {
   const Ran ran = run(chain({{"sources", "{frames: 5}"},
                              {"matchers", "{no_result_at: [0], error_at: [2]}"},
                              {"sinks", "{path: lines.txt}"}},

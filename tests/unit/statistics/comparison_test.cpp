@@ -239,7 +239,7 @@ TEST(Compare, CountsAndNamesWhatHasNoPartner) {
   EXPECT_THAT(pair.sentence, HasSubstr("Sequences without a pair of values: t."));
 }
 
-TEST(Compare, TestsFailuresApartFromValues) {
+TEST(Compare, TestsFailuresSeparatelyFromValues) {
   // a has the lower values, but fails on half of each sequence; frames where both fail count too.
   std::vector<Observation> observations;
   for (int s = 0; s < 10; ++s) {
@@ -310,7 +310,7 @@ TEST(Compare, RanksManyTreatmentsWhereAllHaveAValue) {
   EXPECT_THAT(table->headline, HasSubstr("Holm's correction for 4 tests, 10 sequences."));
 }
 
-TEST(Compare, SaysOfTheBestWhatItCannotBeToldFrom) {
+TEST(Compare, ListsWhatTheBestCannotBeDistinguishedFrom) {
   auto observations = graded({"a", "b"}, 12);
   std::cout << "seed 33\n";
   Rng rng(33);
@@ -324,7 +324,7 @@ TEST(Compare, SaysOfTheBestWhatItCannotBeToldFrom) {
   EXPECT_THAT(table->headline, HasSubstr("Not told apart from it: near, higher by "));
 }
 
-TEST(Compare, NamesTheLargestDifferenceWhereNoneIsTold) {
+TEST(Compare, ReportsTheLargestDifferenceWhereNoneIsSignificant) {
   std::vector<Observation> observations;
   add("a", {1, 2, 1, 2, 1, 2, 1, 2, 1, 2}, observations);
   add("b", {2, 1, 2, 1, 2, 1, 2, 1, 2, 1}, observations);
@@ -334,14 +334,14 @@ TEST(Compare, NamesTheLargestDifferenceWhereNoneIsTold) {
                          "mean 3D error 1.50 and 1.60 mm, a difference of 0.1 mm, "));
 }
 
-TEST(Compare, TakesGroupsApartAndCorrectsForAllOfThem) {
+TEST(Compare, SplitsGroupsAndCorrectsForAllOfThem) {
   // With `easy` the two are the same but for a toss; with `hard` b is worse by 1.
   std::vector<ObservationGroup> groups{{"With easy", {}}, {"With hard", {}}};
   add("a", {1, 2, 1, 2, 1, 2, 1, 2}, groups[0].observations);
   add("b", {2, 1, 2, 1, 2, 1, 2, 1}, groups[0].observations);
   add("a", {1, 2, 3, 4, 5, 6, 7, 8}, groups[1].observations);
   add("b", {2, 3, 4, 5, 6, 7, 8, 9}, groups[1].observations);
-  const auto tables = compare_apart(groups);
+  const auto tables = compare_separately(groups);
   ASSERT_TRUE(tables);
   ASSERT_EQ(tables->size(), 2U);
   EXPECT_EQ((*tables)[0].pairs[0].verdict, Call::undecided);
@@ -356,8 +356,8 @@ TEST(Compare, TakesGroupsApartAndCorrectsForAllOfThem) {
             "interval 1 to 1 mm and p = 0.0156 after Holm's correction for 2 tests, 8 sequences.");
   // A group without results has nothing to say, and takes nothing from the others.
   groups.push_back({"With none", {}});
-  EXPECT_TRUE((*compare_apart(groups))[2].pairs.empty());
-  EXPECT_EQ((*compare_apart(groups))[1].tests, 2);
+  EXPECT_TRUE((*compare_separately(groups))[2].pairs.empty());
+  EXPECT_EQ((*compare_separately(groups))[1].tests, 2);
 }
 
 TEST(Compare, ComparesWithAReferenceOnly) {

@@ -222,7 +222,7 @@ TEST(YamlEmit, WritesKeysOfAnyLength) {
   }
 }
 
-TEST(YamlEmit, EscapesEveryCharacterThatCannotStandAsItIs) {
+TEST(YamlEmit, EscapesEveryCharacterThatNeedsIt) {
   for (char32_t value : {0x1u, 0x4u, 0x7u, 0xBu, 0x1Bu, 0x7Fu}) {  // NUL is refused
     expect_round_trip(scalar(std::string("a") + static_cast<char>(value) + "b", true));
   }

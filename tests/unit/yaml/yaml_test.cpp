@@ -359,7 +359,7 @@ TEST(Yaml, RefusesTextsThatAreNoUtf8) {
                       "1:1", "UTF-16");
 }
 
-TEST(Yaml, ReadsShortEscapesAsTheCharactersThatTheyStandFor) {
+TEST(Yaml, ReadsShortEscapesAsTheirCharacters) {
   EXPECT_EQ(root_of(R"("\N\_\L\P")").scalar, "\u0085\u00A0\u2028\u2029");
   const Node map = root_of(R"("\u00C5\N\u00FF\_key": "\x85\N\xA0\_")");
   ASSERT_EQ(map.entries.size(), 1u);

@@ -37,8 +37,8 @@ struct CameraOptions {
 // A signal handler can reach nothing but objects with static storage.
 std::atomic<bool> enough{false};
 
-/// Views of a camera that shows a frame after the other, until nothing is missing or the user says
-/// that it is enough.
+/// Views of a camera that shows one frame after the other, until nothing is missing or the user
+/// ends it.
 Result<void> watch(cal::FrameReader& reader, cal::ViewCollection& collection) {
   constexpr std::size_t kEnoughViews = 20;
   std::signal(SIGINT, [](int) { enough = true; });

@@ -28,7 +28,7 @@ int run(int argc, char** argv) {
     weft::cli::print_wrong_words(app, "weft calibrate", error);
     return weft::cli::kBadConfiguration;
   } catch (const std::exception& error) {
-    if (std::ferror(stdout) != 0) return weft::cli::kInputOutput;  // said at the end
+    if (std::ferror(stdout) != 0) return weft::cli::kInputOutput;  // reported at the end
     weft::cli::print_error({weft::Errc::io, error.what(), {}});
     return weft::cli::kInputOutput;
   }

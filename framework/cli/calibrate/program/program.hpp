@@ -30,7 +30,7 @@ Result<calibration::Board> board_of(const BoardOptions& options);
 /// 3 where a file cannot be read or written, 1 where views do not determine a camera, else 2.
 int exit_code_of(const Error& error);
 
-/// What `weft calibrate` prints of a camera.
+/// Text that `weft calibrate` prints for a camera.
 std::string calibration_text(const calibration::Calibration& calibration);
 
 /// Which parts of the image have corners, and what to show the camera next.

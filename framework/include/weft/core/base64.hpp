@@ -8,7 +8,7 @@
 
 namespace weft {
 
-/// Base64 of bytes (RFC 4648, section 4), as pages carry binary data.
+/// Encodes bytes as Base64 (RFC 4648, section 4), as HTML pages embed binary data.
 inline std::string base64(std::string_view bytes) {
   constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;

@@ -6,7 +6,7 @@
 
 namespace weft {
 
-/// Whether a part of a component's id may read so: [a-z][a-z0-9_]*.
+/// Returns whether a word is a valid part of a component id: [a-z][a-z0-9_]*.
 constexpr bool is_part_of_id(std::string_view word) {
   const auto lower = [](char c) { return c >= 'a' && c <= 'z'; };
   return !word.empty() && lower(word.front()) && std::all_of(word.begin(), word.end(), [&](char c) {
@@ -14,7 +14,7 @@ constexpr bool is_part_of_id(std::string_view word) {
   });
 }
 
-/// Whether a component's id is role/name or role/vendor.name.
+/// Returns whether a text is a component id: role/name or role/vendor.name.
 constexpr bool is_component_id(std::string_view id) {
   const std::size_t slash = id.find('/');
   if (slash == std::string_view::npos || !is_part_of_id(id.substr(0, slash))) return false;
@@ -24,7 +24,7 @@ constexpr bool is_component_id(std::string_view id) {
   return is_part_of_id(name.substr(0, dot)) && is_part_of_id(name.substr(dot + 1));
 }
 
-/// Whether the type of a record is a vendor's: "acme.depth/1".
+/// Returns whether a record type belongs to a vendor: "acme.depth/1".
 constexpr bool is_vendor_record(std::string_view type) {
   const std::size_t slash = type.find('/'), dot = type.find('.');
   if (slash == std::string_view::npos || dot == std::string_view::npos || dot > slash) return false;

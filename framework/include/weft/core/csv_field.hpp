@@ -5,7 +5,7 @@
 
 namespace weft {
 
-/// Text as a field of comma-separated values (RFC 4180).
+/// Quotes a text as a field of comma-separated values (RFC 4180).
 inline std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string field = "\"";

@@ -12,7 +12,7 @@ namespace detail {
 
 inline bool is_digit(char letter) { return letter >= '0' && letter <= '9'; }
 
-/// The digits at the begin of a text.
+/// Returns the digits at the beginning of a text.
 inline std::string_view leading_digits(std::string_view text) {
   const auto end = std::find_if_not(text.begin(), text.end(), is_digit);
   return text.substr(0, static_cast<std::size_t>(end - text.begin()));
@@ -22,7 +22,7 @@ inline std::string_view without_zeros(std::string_view digits) {
   return digits.substr(std::min(digits.find_first_not_of('0'), digits.size()));
 }
 
-/// Below 0, 0 or above 0, as the numbers of two texts of digits compare; they may be of any length.
+/// Compares two texts of digits as numbers of any length. The result is below, equal to or above 0.
 inline int compare_numbers(std::string_view a, std::string_view b) {
   a = without_zeros(a), b = without_zeros(b);
   if (a.size() != b.size()) return a.size() < b.size() ? -1 : 1;
@@ -31,8 +31,8 @@ inline int compare_numbers(std::string_view a, std::string_view b) {
 
 }  // namespace detail
 
-/// The order of files: digits are compared as numbers, so that img_2 comes before img_10, all else
-/// bytewise. Names that differ in leading zeros alone are compared bytewise.
+/// Natural order of file names: digits compare as numbers (img_2 before img_10), other characters
+/// bytewise. Names that differ only in leading zeros compare bytewise.
 inline bool natural_less(std::string_view a, std::string_view b) {
   std::size_t i = 0, j = 0;
   while (i < a.size() && j < b.size()) {
@@ -51,8 +51,8 @@ inline bool natural_less(std::string_view a, std::string_view b) {
   return left != right ? left < right : a < b;
 }
 
-/// Says what to write where a pattern numbers files as other programs do (img_%04d.png,
-/// img_####.png); empty for any other pattern.
+/// Returns a hint for patterns that number files in another notation (img_%04d.png, img_####.png).
+/// The hint is empty for any other pattern.
 inline std::string numbering_hint(const std::string& pattern) {
   std::string wildcard;
   bool is_numbering = false;

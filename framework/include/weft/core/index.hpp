@@ -5,7 +5,7 @@
 
 namespace weft {
 
-/// A position or count of another type, which is not negative, as containers want it.
+/// Converts a non-negative position or count to std::size_t, the index type of containers.
 template <class Number>
 constexpr std::size_t to_index(Number number) {
   return static_cast<std::size_t>(number);

@@ -8,8 +8,7 @@
 
 namespace weft {
 
-/// A list of plain values, of which the first so many are held in place: only a longer one
-/// allocates.
+/// A list of plain values that stores the first kInPlace values without an allocation.
 template <class T, std::size_t kInPlace>
 class InlineVector {
  public:
@@ -39,7 +38,7 @@ class InlineVector {
  private:
   std::size_t size_ = 0;
   std::array<T, kInPlace> in_place_;
-  std::vector<T> longer_;  ///< all of them, once they are more
+  std::vector<T> longer_;  ///< all values, once there are more than kInPlace
 };
 
 }  // namespace weft

@@ -7,36 +7,36 @@
 
 namespace weft {
 
-/// What a component finds wrong with its parameters before anything runs. A component that can
-/// tell has
+/// Collects the errors of a component's parameters before a run. A component can implement
 ///
 ///   void check(weft::Mistakes& mistakes) const;
 ///
-/// which is called after the constructor, before any other method, also when nothing will be run.
-/// It reads headers and small files and expands patterns; it never renders, simulates, fits, opens
-/// a camera or computes on a device, and never blocks. Nested components are asked by themselves.
-/// What it refuses, the methods that run must refuse in the same words: let both call one function.
+/// The host calls it after the constructor and before any other method, even if no run follows. It
+/// may read headers and small files and expand patterns. It must not render, simulate, fit, open a
+/// camera, use a device or block. The host checks nested components separately. The methods that
+/// run must report the same errors with the same words; share one function for both.
 class Mistakes {
  public:
-  /// How a message begins that is a warning.
+  /// Prefix of messages that are warnings.
   static constexpr const char* kWarning = "warning: ";
 
   using Report = void (*)(void* context, const char* parameter, const char* message);
 
   Mistakes(void* context, Report report) : context_(context), report_(report) {}
 
-  /// A mistake in the value of `parameter`: what is wrong and what to change.
+  /// Adds an error in the value of `parameter`: the message gives the problem and the correction.
   void add(const char* parameter, const std::string& message) {
     report_(context_, parameter, without_nul(message).c_str());
   }
 
-  /// Something legal, but doubtful: it is printed as a warning, and the pipeline can be run.
-  /// Nothing where `message` is empty.
+  /// Adds a warning about a legal but doubtful value. The run can proceed. An empty `message` adds
+  /// nothing.
   void doubt(const char* parameter, const std::string& message) {
     if (!message.empty()) add(parameter, kWarning + message);
   }
 
-  /// Adds the error of a result as a mistake in the value of `parameter`; true if there is none.
+  /// Adds the error of a result as an error in the value of `parameter`. Returns true if the result
+  /// has none.
   template <class T>
   bool expect(const char* parameter, const Result<T>& result) {
     if (result) return true;

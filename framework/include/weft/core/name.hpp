@@ -10,13 +10,13 @@
 
 namespace weft {
 
-/// The name of an array, held in place: as long as names may be by the contract.
+/// The name of an array, stored in place, with the maximum length of the contract.
 class Name {
  public:
   static constexpr std::size_t kLongest = 100;
 
   Name() { text_.front() = '\0'; }
-  /// Of one or two parts. Throws std::length_error when it is longer than names may be.
+  /// Joins one or two parts. Throws std::length_error if the result exceeds kLongest characters.
   template <class Text>
   requires std::convertible_to<const Text&, std::string_view> Name(const Text& text)
       : Name(std::string_view(text), std::string_view()) {}

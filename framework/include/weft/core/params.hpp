@@ -15,10 +15,10 @@
 
 namespace weft {
 
-/// Legal values of a number, both ends included. `{}`: any number that is not NaN.
+/// Legal range of a number, both ends included. `{}` is any number except NaN.
 struct Range {
-  double minimum = -std::numeric_limits<double>::infinity();
-  double maximum = std::numeric_limits<double>::infinity();
+  double minimum = -std::numeric_limits<double>::infinity();  ///< unit of the parameter
+  double maximum = std::numeric_limits<double>::infinity();   ///< unit of the parameter
 };
 
 namespace detail {
@@ -35,25 +35,32 @@ inline Range within_int(Range range) {
 
 }  // namespace detail
 
-/// Whether a parameter must be given.
+/// Whether a parameter is optional or required.
 enum class Need { optional, required };
 
-/// A component that another one holds; typed by the classes of weft/sdk/nested.hpp.
+/// A nested component. The classes of weft/sdk/nested.hpp derive typed handles from it.
 struct ComponentHandle {
   const char* role;
   const char* default_id;
-  std::uint64_t handle = 0;  ///< given by the host
+  std::uint64_t handle = 0;  ///< set by the host
 };
 
-/// Reads a component's parameters, once, in its constructor: one declaration each, from which the
-/// checks, the manifest, the documentation and the editor schema are made. The variable's value
-/// before the call is the default. Read all parameters unconditionally.
+/// Declares and reads a component's parameters, once, in its constructor. The checks, the manifest,
+/// the documentation and the editor schema are generated from these declarations. The variable's
+/// value before the call is the default. Read all parameters unconditionally.
 class Params {
  public:
-  /// Collects declarations.
+  /// Collects the declarations.
   explicit Params(const weft_describe* sink) : sink_(sink) {}
-  /// Fills variables with the values that were given.
+  /// Assigns the given values to the variables.
   Params(const weft_value* values, std::uint64_t count) : values_(values), count_(count) {}
+
+  /// The former name of the parameter that is declared next: `p.formerly("start").read(...)`. Files
+  /// that use it still run, with a warning, and `weft migrate` rewrites them.
+  Params& formerly(const char* name) {
+    former_name_ = name;
+    return *this;
+  }
 
   void read(const char* name, double& value, const char* unit, Range range, const char* help,
             Need need = Need::optional);
@@ -62,34 +69,36 @@ class Params {
   void read(const char* name, std::int64_t& value, const char* unit, Range range, const char* help,
             Need need = Need::optional);
   void read(const char* name, bool& value, const char* help);
-  /// A vector of numbers, each within `range`.
+  /// Reads a vector of numbers, each within `range`.
   void read(const char* name, std::vector<double>& values, const char* unit, Range range,
             const char* help, Need need = Need::optional);
-  /// A vector of whole numbers; likewise.
+  /// Reads a vector of integers, each within `range`.
   void read(const char* name, std::vector<std::int64_t>& values, const char* unit, Range range,
             const char* help, Need need = Need::optional);
   void read(const char* name, std::vector<int>& values, const char* unit, Range range,
             const char* help, Need need = Need::optional);
-  /// A list of texts.
+  /// Reads a list of texts.
   void read(const char* name, std::vector<std::string>& values, const char* help,
             Need need = Need::optional);
   void text(const char* name, std::string& value, const char* help, Need need = Need::optional);
-  /// Absolute when read; a relative one stands in the file's folder. Each of `words`, such as
-  /// "auto", is legal in place of a path and read as it is.
+  /// Reads the path of an input. Relative paths are resolved against the folder of the file that
+  /// gives them; the value is absolute. Each of `words`, such as "auto", is legal instead of a path
+  /// and is read unchanged.
   void input_path(const char* name, std::string& value, const char* help,
                   Need need = Need::optional, std::initializer_list<const char*> words = {});
-  /// Absolute; a relative one stands in the run folder. What is written stands in one of these.
+  /// Reads the path of an output. Relative paths are resolved against the run folder; the value is
+  /// absolute. A component writes files only to such paths.
   void output_path(const char* name, std::string& value, const char* help);
-  /// A map from text to text, in its order; empty when not given.
+  /// Reads an ordered map from text to text; empty if it is not given.
   void labels(const char* name, std::vector<std::pair<std::string, std::string>>& value,
               const char* help);
-  /// One of several words.
+  /// Reads one of several words.
   template <class Enum>
   void choice(const char* name, Enum& value,
               std::initializer_list<std::pair<const char*, Enum>> choices, const char* help);
   void component(const char* name, ComponentHandle& value, const char* help);
 
-  /// The first value that was illegal, if any.
+  /// The first illegal value, if there is one.
   const Result<void>& status() const { return status_; }
 
  private:
@@ -109,6 +118,7 @@ class Params {
   const weft_describe* sink_ = nullptr;
   const weft_value* values_ = nullptr;
   std::uint64_t count_ = 0;
+  const char* former_name_ = "";
   Result<void> status_;
 };
 

@@ -30,7 +30,7 @@ inline void Params::declare(weft_parameter parameter, const char* name, int type
   parameter.help = help;
   if (parameter.unit == nullptr) parameter.unit = "";
   if (parameter.role == nullptr) parameter.role = "";
-  parameter.was = "";
+  parameter.was = std::exchange(former_name_, "");
   sink_->parameter(sink_->context, &parameter);
 }
 

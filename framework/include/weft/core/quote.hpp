@@ -13,8 +13,8 @@
 namespace weft {
 namespace detail {
 
-/// Whether a character could move, hide or colour what stands around it: controls, line
-/// separators, marks and overrides of direction, characters without width.
+/// Returns whether a character could move, hide or colour the text around it. These are control
+/// characters, line separators, direction marks and overrides, and characters without width.
 inline bool disturbs(char32_t value) {
   struct Span {
     char32_t first, last;
@@ -38,9 +38,9 @@ inline std::string escape_of(char32_t value, bool is_byte) {
 
 }  // namespace detail
 
-/// A text from outside as a message may show it: characters that would disturb a terminal or the
-/// sentence around them, and bytes that are no UTF-8, are written as escapes (\n, \x1B, \u202E).
-/// Behind `most` characters it is cut, which three dots say.
+/// Escapes external text for a message. Characters that would disturb a terminal or the sentence,
+/// and bytes that are not UTF-8, become escapes (\n, \x1B, \u202E). Text beyond `most` characters
+/// is cut, marked by three dots.
 inline std::string escaped(std::string_view text,
                            std::size_t most = std::numeric_limits<std::size_t>::max()) {
   std::string shown;
@@ -59,13 +59,14 @@ inline std::string escaped(std::string_view text,
   return shown;
 }
 
-/// The same in single quotes, of at most 80 characters: how messages quote a value, key or name.
+/// Escapes a text and puts it in single quotes, with at most 80 characters. Messages quote values,
+/// keys and names in this form.
 inline std::string quote(std::string_view text) {
   constexpr std::size_t kMostShown = 80;
   return "'" + escaped(text, kMostShown) + "'";
 }
 
-/// The text with its NUL characters as escapes: texts of the contract end at the first NUL.
+/// Replaces NUL characters by escapes, because texts of the contract end at the first NUL.
 inline std::string without_nul(std::string_view text) {
   std::string shown(text);
   for (std::size_t at = shown.find('\0'); at != shown.npos; at = shown.find('\0', at)) {

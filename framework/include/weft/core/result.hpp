@@ -8,38 +8,39 @@
 
 namespace weft {
 
-/// Why something did not work. The message of an Error says what to change.
+/// Category of an error. The message of an Error describes the correction.
 enum class Errc : std::int32_t {
   no_result = 1,   ///< the data do not determine an answer; recorded for the frame, not a failure
-  invalid_value,   ///< an argument or parameter outside its legal range
+  invalid_value,   ///< an argument or parameter is outside its legal range
   invalid_data,    ///< NaN, wrong shape or inconsistent content of a record or file
   not_found,       ///< a file, plugin, stage or key that does not exist
-  io,              ///< reading or writing failed
-  syntax,          ///< a text that cannot be parsed
+  io,              ///< a read or write failed
+  syntax,          ///< a text cannot be parsed
   incompatible,    ///< wrong ABI, missing symbol, missing processor feature
-  unsupported,     ///< legal, but this component cannot do it
-  plugin_failure,  ///< a plugin threw or broke its contract
-  cancelled,       ///< the host asked to stop
-  no_memory,       ///< memory was short; says nothing about what was asked for
+  unsupported,     ///< the request is legal, but the component does not support it
+  plugin_failure,  ///< a plugin threw an exception or violated its contract
+  cancelled,       ///< the host cancelled the call
+  no_memory,       ///< memory was insufficient; the request itself may be valid
   end,             ///< a source has no more frames
 };
 
-/// A cause, a sentence that says what to change, and a place (file:line:column, plugin or stage).
+/// An error: its category, a message with the correction, and a place (file:line:column, plugin or
+/// stage).
 struct Error {
   Errc code = Errc::plugin_failure;
   std::string message;
   std::string where = {};
-  std::string subject = {};  ///< the parameter, input or array that it is about, where it is one
+  std::string subject = {};  ///< the parameter, input or array that the error concerns, if any
 };
 
-/// Marks a value as usable but flagged: the stage's status becomes `degenerate`.
+/// Marks a value as usable but degenerate. The stage's status becomes `degenerate`.
 template <class T>
 struct Degenerate {
   T value;
   std::string reason;
 };
 
-/// Either a value (perhaps flagged as degenerate, with the reason) or an Error.
+/// A value, which may be marked as degenerate with a reason, or an Error.
 template <class T>
 class [[nodiscard]] Result {
  public:
@@ -56,7 +57,7 @@ class [[nodiscard]] Result {
   const T* operator->() const { return &std::get<T>(content_); }
   const Error& error() const { return std::get<Error>(content_); }
 
-  /// Empty when the value is not flagged.
+  /// The reason of a degenerate value; empty for other values.
   const std::string& degenerate_reason() const { return degenerate_reason_; }
 
  private:
@@ -79,20 +80,20 @@ class [[nodiscard]] Result<void> {
   bool failed_ = false;
 };
 
-/// The answer "no result for this frame, because ...".
+/// Returns the answer "no result for this frame" with its reason.
 inline Error no_result(std::string reason) { return {Errc::no_result, std::move(reason), {}}; }
 
-/// A source's answer "there are no more frames, because ...".
+/// Returns the answer of a source after its last frame, with the reason.
 inline Error no_more_frames(std::string reason) { return {Errc::end, std::move(reason), {}}; }
 
-/// The same error, said of a parameter, an input or an array: where it is a parameter, its place in
-/// the pipeline is shown.
+/// Attributes an error to a parameter, an input or an array. For a parameter, the message shows its
+/// place in the pipeline.
 inline Error about(std::string subject, Error error) {
   error.subject = std::move(subject);
   return error;
 }
 
-/// Flags a value as usable but degenerate.
+/// Marks a value as usable but degenerate.
 template <class T>
 Degenerate<T> degenerate(T value, std::string reason) {
   return {std::move(value), std::move(reason)};

@@ -10,8 +10,8 @@
 
 namespace weft {
 
-/// PCG32 (XSH-RR 64/32, O'Neill 2014) with its own distributions, so that draws are the same
-/// with every compiler and standard library. Golden values fix the sequence.
+/// PCG32 (XSH-RR 64/32, O'Neill 2014) with its own distributions. Results are the same with every
+/// compiler and standard library. Golden values in the tests fix the sequence.
 class Rng {
  public:
   explicit Rng(std::uint64_t seed) {
@@ -20,7 +20,7 @@ class Rng {
     next_u32();
   }
 
-  /// Uniform over all 32-bit values.
+  /// Draws uniformly from all 32-bit values.
   std::uint32_t next_u32() {
     const std::uint64_t old = state_;
     state_ = old * 6364136223846793005ULL + kIncrement;
@@ -29,7 +29,7 @@ class Rng {
     return (shifted >> rotation) | (shifted << ((32U - rotation) & 31U));
   }
 
-  /// Uniform in [0, bound), without bias; bound > 0.
+  /// Draws uniformly from [0, bound), without bias. Requires bound > 0.
   std::uint32_t below(std::uint32_t bound) {
     const std::uint32_t threshold = (0U - bound) % bound;
     for (;;) {
@@ -38,17 +38,17 @@ class Rng {
     }
   }
 
-  /// Uniform in [0, 1) with 53 bits.
+  /// Draws uniformly from [0, 1) with 53 bits.
   double uniform() {
     const std::uint64_t high = next_u32() >> 5U;
     const std::uint64_t low = next_u32() >> 6U;
     return static_cast<double>((high << 26U) | low) * 0x1.0p-53;
   }
 
-  /// Uniform in [low, high).
+  /// Draws uniformly from [low, high).
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
 
-  /// Standard normal (Marsaglia's polar method).
+  /// Draws from the standard normal distribution (Marsaglia's polar method).
   double normal() {
     if (has_spare_) {
       has_spare_ = false;
@@ -66,7 +66,7 @@ class Rng {
     return u * factor;
   }
 
-  /// Fisher-Yates.
+  /// Shuffles with the Fisher-Yates algorithm.
   template <class T>
   void shuffle(std::vector<T>& values) {
     for (std::size_t i = values.size(); i > 1; --i) {
@@ -74,7 +74,8 @@ class Rng {
     }
   }
 
-  /// `count` distinct indices out of [0, population), in drawing order; count <= population.
+  /// Draws `count` distinct indices from [0, population), in drawing order. Requires count <=
+  /// population.
   std::vector<int> sample(int population, int count) {
     std::vector<int> indices(to_index(population));
     std::iota(indices.begin(), indices.end(), 0);

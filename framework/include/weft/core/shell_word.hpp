@@ -6,8 +6,8 @@
 
 namespace weft {
 
-/// A word of a command line as a POSIX shell takes it: a command that is printed can be pasted,
-/// whatever its paths hold.
+/// Quotes a word for a POSIX shell, so that printed commands can be pasted whatever characters
+/// their paths contain.
 inline std::string shell_word(std::string_view text) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=,:+@%";

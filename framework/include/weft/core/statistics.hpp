@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-/// Order statistics of plain numbers. All of them return NaN for an empty input and for an input
-/// that contains NaN.
+/// Order statistics of numbers. All functions return NaN for an empty input and for an input that
+/// contains NaN.
 namespace weft {
 
 /// Standard deviation of a normal distribution divided by its median absolute deviation.
@@ -30,8 +30,7 @@ inline double mean(std::span<const double> values) {
   return sum / static_cast<double>(values.size());
 }
 
-/// Standard deviation of the population that the values are a sample of: with n - 1, so NaN for a
-/// single value.
+/// Standard deviation of the population from a sample, with n - 1; NaN for a single value.
 inline double standard_deviation(std::span<const double> values) {
   if (values.size() < 2) return std::numeric_limits<double>::quiet_NaN();
   const double centre = mean(values);
@@ -40,7 +39,7 @@ inline double standard_deviation(std::span<const double> values) {
   return std::sqrt(squares / static_cast<double>(values.size() - 1));
 }
 
-/// Median; for an even count the mean of the two middle values. Reorders `values`.
+/// Median; the mean of the two middle values for an even count. Reorders `values`.
 inline double median_in_place(std::span<double> values) {
   if (detail::unordered(values)) return std::numeric_limits<double>::quiet_NaN();
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

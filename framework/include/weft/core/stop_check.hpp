@@ -5,13 +5,13 @@
 
 namespace weft {
 
-/// Thrown by worked() when the call is cancelled. Code in between lets it pass; the SDK answers the
-/// call with Errc::cancelled.
+/// Thrown by worked() when the call is cancelled. Intermediate code lets it pass; the SDK returns
+/// Errc::cancelled from the call.
 struct Stopped {};
 
-/// Who is asked whether the work of this thread goes on, for as long as this lives. The SDK has one
-/// around each call of a component, so that helpers of any depth can ask without being handed a
-/// call; it changes no result.
+/// Connects worked() of this thread to a cancellation check for the lifetime of the object. The SDK
+/// creates one around each call of a component, so that nested functions can check without a Call.
+/// It does not change any result.
 class StopCheck {
  public:
   using Cancelled = bool (*)(const void* whom);
@@ -24,12 +24,12 @@ class StopCheck {
   StopCheck(const StopCheck&) = delete;
   StopCheck& operator=(const StopCheck&) = delete;
 
-  /// After so many passes of an inner loop, each of some ten nanoseconds.
+  /// Counts passes of an inner loop, each of about ten nanoseconds.
   static void count(std::int64_t passes) {
     if (innermost_ != nullptr && (innermost_->left_ -= passes) <= 0) innermost_->ask();
   }
 
-  /// Passes between two questions: a millisecond or two.
+  /// Passes between two cancellation checks; about one to two milliseconds.
   static constexpr std::int64_t kPassesPerAsk = 100'000;
 
  private:
@@ -46,20 +46,19 @@ class StopCheck {
   static inline constinit thread_local StopCheck* innermost_ = nullptr;
 };
 
-/// Tells that so many passes of an inner loop are done, each of some ten nanoseconds, and asks the
-/// host now and then whether to go on: loops that may take longer than 5 ms say so in each outer
-/// pass. Costs nothing to speak of; throws Stopped when the call is cancelled. Outside of calls
-/// nobody is asked.
+/// Counts passes of an inner loop, each of about ten nanoseconds, and regularly checks for
+/// cancellation. Loops that may take longer than 5 ms call it in each outer pass. The cost is
+/// negligible. Throws Stopped when the call is cancelled. Outside of calls it does nothing.
 inline void worked(std::int64_t passes = 1) { StopCheck::count(passes); }
 
-/// The same in a loop whose pass `i` is short itself: tells so once for 1024 of them, which have so
-/// many inner passes each.
+/// Calls worked() once per 1024 short passes of a loop with index `i`. Each pass stands for
+/// `passes` inner passes.
 inline void worked_in_loop(std::int64_t i, std::int64_t passes = 1) {
   if (i % 1024 == 0) worked(1024 * passes);
 }
 
-/// Asks at once: for passes that take a millisecond each, such as a row of a large image, and
-/// before a call of a library that takes long.
+/// Checks for cancellation immediately. Use it for passes of about a millisecond, such as a row of
+/// a large image, and before long library calls.
 inline void ask_to_go_on() { worked(StopCheck::kPassesPerAsk); }
 
 }  // namespace weft

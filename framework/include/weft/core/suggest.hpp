@@ -10,7 +10,7 @@
 
 namespace weft {
 
-/// Damerau-Levenshtein distance (optimal string alignment) in bytes: the least number of
+/// Damerau-Levenshtein distance (optimal string alignment) in bytes. It is the least number of
 /// insertions, deletions, replacements and swaps of neighbours that turns `a` into `b`.
 inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
@@ -30,11 +30,12 @@ inline std::size_t edit_distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
-/// The candidate the writer of `word` most likely meant, or an empty string when none is near.
-/// Near is: at most max(2, length / 3) edits, 1 below 5 bytes, ignoring case, and fewer than the
-/// shorter word has bytes; or else, one contains the other ('alpha', 'alpha_start'), the shorter
-/// having at least 3 bytes. Fewer edits win, then the earlier candidate. What both have up to
-/// the last '/', '.' or blank of `word` does not count: 'filters/foo' is not near 'filters/aem'.
+/// Returns the most likely candidate for a misspelled `word`, or an empty string. A candidate is
+/// near if it needs at most max(2, length / 3) edits, or 1 below 5 bytes. The edits ignore case and
+/// must be fewer than the bytes of the shorter word. A candidate is also near if one word contains
+/// the other ('alpha', 'alpha_start') and the shorter has at least 3 bytes. Fewer edits win, then
+/// the earlier candidate. The common prefix up to the last '/', '.' or blank of `word` does not
+/// count: 'filters/foo' is not near 'filters/aem'.
 inline std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {
   const auto lower = [](std::string_view text) {
     std::string result(text);
@@ -64,7 +65,8 @@ inline std::string nearest(std::string_view word, const std::vector<std::string>
     }
     const bool contained =
         other.find(wanted) != std::string::npos || wanted.find(other) != std::string::npos;
-    if (cost == kFar && shorter >= 3 && contained) cost = longer;  // more than any edits above
+    if (cost == kFar && shorter >= 3 && contained)
+      cost = longer;  // more than any number of edits above
     if (cost < best_cost) {
       best = candidate;
       best_cost = cost;
@@ -73,13 +75,13 @@ inline std::string nearest(std::string_view word, const std::vector<std::string>
   return best;
 }
 
-/// "; did you mean 'NEAR'?", or `otherwise` where nothing is near: the end of a message about a
-/// word that is unknown.
+/// Returns "; did you mean 'NEAR'?", or `otherwise` if there is no near candidate, as the end of a
+/// message about an unknown word.
 inline std::string meant(const std::string& near, const std::string& otherwise = {}) {
   return near.empty() ? otherwise : "; did you mean '" + near + "'?";
 }
 
-/// The same for the candidate that is nearest.
+/// Returns the same text for the nearest candidate.
 inline std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates,
                                 const std::string& otherwise = {}) {
   return meant(nearest(word, candidates), otherwise);

@@ -19,10 +19,10 @@
 namespace weft {
 namespace detail {
 
-/// A descriptor that is closed with its scope.
+/// A file descriptor that is closed at the end of its scope.
 class OpenFile {
  public:
-  // Without O_NONBLOCK a FIFO that nobody writes would hold the caller for ever.
+  // O_NONBLOCK keeps the open of a FIFO without a writer from blocking forever.
   explicit OpenFile(const std::string& path)
       : descriptor_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
   ~OpenFile() {
@@ -37,7 +37,7 @@ class OpenFile {
   int descriptor_;
 };
 
-/// Appends what is left of a file to `text`, at most `room` bytes; 0 or the error's number.
+/// Appends the rest of a file to `text`, at most `room` bytes. Returns 0 or the errno value.
 inline int append_bytes(int descriptor, std::uint64_t room, std::string& text) {
   constexpr std::uint64_t kPiece = 1U << 16U;
   while (room > 0) {
@@ -55,11 +55,10 @@ inline int append_bytes(int descriptor, std::uint64_t room, std::string& text) {
 
 }  // namespace detail
 
-/// The bytes of a regular file of at most `most_bytes` (below 2^64 - 1). The limit holds while the
-/// file is read, so that one that grows, lies about its size or never ends costs no more.
-/// Errc::not_found where there is none, else Errc::io; the message is the reason ("there is no such
-/// file", "it is a folder", "it is no regular file", "Permission denied", "it has more than 100
-/// bytes").
+/// Reads the bytes of a regular file of at most `most_bytes` (below 2^64 - 1). The limit applies
+/// during the read, so that a file that grows or reports a wrong size cannot exceed it. Fails with
+/// Errc::not_found if the file does not exist, else with Errc::io. The message is the reason, such
+/// as "there is no such file", "it is a folder" or "Permission denied".
 inline Result<std::string> read_text_file(const std::string& path, std::uint64_t most_bytes) {
   const auto fail = [&](Errc code, std::string reason) {
     return Error{code, std::move(reason), path};
@@ -82,7 +81,7 @@ inline Result<std::string> read_text_file(const std::string& path, std::uint64_t
   if (size > most_bytes) return fail(Errc::io, too_large);
   std::string text;
   text.reserve(to_index(size) + 1);
-  // Files of the kernel claim a size of 0; one byte more than is allowed tells a file that lies.
+  // Kernel files report a size of 0. One byte more than the limit reveals a file that exceeds it.
   if (const int cause = detail::append_bytes(file.get(), most_bytes + 1, text); cause != 0) {
     return fail(Errc::io, std::generic_category().message(cause));
   }
@@ -90,11 +89,12 @@ inline Result<std::string> read_text_file(const std::string& path, std::uint64_t
   return text;
 }
 
-/// What a path that somebody named is to lead to.
+/// Kind of input that a user-given path must lead to.
 enum class InputKind { file, folder, any };
 
-/// Fails where there is nothing at a path, or a folder in place of a file, or the reverse: the one
-/// wording of these errors. `remedy` says what to do, such as "give the folder of a run".
+/// Fails if a path does not exist or leads to a folder instead of a file, or the reverse. All
+/// components use these error messages. `remedy` is the correction, such as "give the folder of a
+/// run".
 inline Result<void> check_input(const std::string& path, InputKind kind,
                                 const std::string& remedy = "correct its name") {
   std::error_code code;
@@ -117,7 +117,8 @@ inline Result<void> check_input(const std::string& path, InputKind kind,
   return {};
 }
 
-/// The same of a file whose text could not be read: `error` is one of read_text_file.
+/// Returns the same message for a file whose text could not be read. `error` comes from
+/// read_text_file.
 inline std::string unreadable_text(const Error& error) {
   if (auto found = check_input(error.where, InputKind::file); !found) return found.error().message;
   return "cannot be read: " + error.message;

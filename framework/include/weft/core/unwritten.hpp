@@ -22,9 +22,9 @@ inline constexpr bool kMarksUnwritten = true;
 inline constexpr bool kMarksUnwritten = false;
 #endif
 
-/// Called on memory that is handed out and that nobody has written yet. In debug builds and under a
-/// sanitizer it is filled with 0xFF bytes, NaN where numbers are read out of it, so that who reads
-/// what nobody wrote is found; elsewhere it keeps what stood there.
+/// Marks memory that is handed out before it is written. Debug builds and sanitizer builds fill it
+/// with 0xFF bytes (NaN for floating-point numbers) to reveal reads of unwritten memory. Other
+/// builds leave it unchanged.
 inline void mark_unwritten([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) {
   if constexpr (kMarksUnwritten) {
     if (bytes > 0) std::memset(memory, 0xFF, bytes);

@@ -6,10 +6,11 @@
 
 namespace weft::utf8 {
 
-/// A Unicode code point and the bytes it takes; 0 bytes when `text` holds no valid UTF-8 there.
+/// A Unicode code point and its number of bytes; 0 bytes if `text` is not valid UTF-8 at this
+/// position.
 struct CodePoint {
   char32_t value = 0;
-  std::size_t bytes = 0;
+  std::size_t bytes = 0;  ///< length of the encoding, 0 to 4
 };
 
 /// Decodes the character that begins at `offset` < text.size(). Rejects overlong forms, surrogates

@@ -18,14 +18,14 @@
 
 namespace weft {
 
-/// Why a file could not be written, in words.
+/// Returns the reason of a failed write as text.
 inline std::string why_not_written(std::error_code code) {
   if (code == std::errc::file_too_large) return "it is beyond the file size limit, see ulimit -f";
   return code.message();
 }
 
-/// Whether what is written there goes elsewhere: a terminal, a pipe, /dev/stdout, which may lead to
-/// a file that is open already.
+/// Returns whether writes to a path go to a device: a terminal, a pipe or /dev/stdout, which may
+/// lead to an open file.
 inline bool is_device(const std::filesystem::path& file) {
   namespace fs = std::filesystem;
   const std::string name = file.lexically_normal().string();
@@ -36,20 +36,19 @@ inline bool is_device(const std::filesystem::path& file) {
   return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
 }
 
-/// Whether a file survives a power cut as soon as its writer has returned. Files that are written
-/// once a frame do without: waiting for the disk would slow the frames down.
+/// Whether a file must survive a power cut once its writer has returned. Files written per frame
+/// are not synced, because a wait for the disk would slow the frames down.
 enum class Durability { synced, unsynced };
 
 inline std::error_code last_system_error() { return {errno, std::generic_category()}; }
 
-/// Writes what is open, a file or the entries of a folder, to the disk. File systems that cannot do
-/// so are no error.
+/// Syncs an open file or folder to the disk. A file system without this operation is not an error.
 inline std::error_code sync_open(int descriptor) {
   if (::fsync(descriptor) == 0 || errno == EINVAL || errno == ENOTSUP) return {};
   return last_system_error();
 }
 
-/// The same of a path. A folder that may not be read is no error.
+/// Syncs a path to the disk. An unreadable folder is not an error.
 inline std::error_code sync_path(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) return errno == EACCES ? std::error_code() : last_system_error();
@@ -58,7 +57,7 @@ inline std::error_code sync_path(const std::filesystem::path& path) {
   return code;
 }
 
-/// Writes everything of the file system of `path` to the disk: one wait instead of one a file.
+/// Syncs the whole file system of `path` to the disk, with one wait instead of one per file.
 inline std::error_code sync_file_system(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return last_system_error();
@@ -77,14 +76,14 @@ inline std::error_code write_all(int descriptor, std::string_view bytes) {
   return {};
 }
 
-/// The folder that a path is an entry of.
+/// Returns the folder that contains a path.
 inline std::filesystem::path folder_of(const std::filesystem::path& path) {
   return path.has_parent_path() ? path.parent_path() : ".";
 }
 
-/// A file under a temporary name of its own beside `file`, NAME.<12 hexadecimal digits>.part. It is
-/// always a new file: no file of another writer and no link is written through. It is removed
-/// unless finish() has renamed it. The first error is the one that finish() returns.
+/// A new file with a temporary name next to `file`, NAME.<12 hexadecimal digits>.part. It never
+/// writes through a link or into a file of another writer. The destructor removes it unless
+/// finish() has renamed it. finish() returns the first error.
 class UnfinishedFile {
  public:
   explicit UnfinishedFile(std::filesystem::path file) : file_(std::move(file)) {
@@ -105,17 +104,17 @@ class UnfinishedFile {
     ::unlink(path_.c_str());
   }
 
-  /// Where it is until then. Others may write there by name, or rename over it.
+  /// The temporary path. Other code may write or rename by this name.
   const std::filesystem::path& path() const { return path_; }
 
-  /// Why it could not be created or written; none so far.
+  /// The reason of a failed creation or write; empty if there is none.
   std::error_code status() const { return status_; }
 
   void write(std::string_view bytes) {
     if (!status_) status_ = write_all(descriptor_, bytes);
   }
 
-  /// Gives it its name, in place of what has that name.
+  /// Renames the file to its final name and replaces an existing file.
   std::error_code finish(Durability durability) {
     const bool is_synced = durability == Durability::synced;
     if (!status_ && is_synced) status_ = sync();
@@ -134,7 +133,7 @@ class UnfinishedFile {
   }
 
   std::filesystem::path temporary_name() const {
-    constexpr std::size_t kLongest = 200;  // so that a long name has room for its ending
+    constexpr std::size_t kLongest = 200;  // leaves room for the suffix of a long name
     std::uint64_t random = 0;
     static_cast<void>(!getrandom(&random, sizeof(random), 0));
     char ending[24];
@@ -148,7 +147,7 @@ class UnfinishedFile {
   std::error_code status_;
 };
 
-/// Writes a file that appears whole or not at all, see UnfinishedFile. A device is written
+/// Writes a file that appears completely or not at all, see UnfinishedFile. Devices are written
 /// directly.
 inline Result<void> write_whole(std::string_view bytes, const std::filesystem::path& file,
                                 Durability durability = Durability::synced) {

@@ -30,7 +30,7 @@ constexpr std::int32_t dtype_of() {
   if constexpr (std::is_same_v<T, double>) return WEFT_F64;
 }
 
-/// Bytes of one element; 0 for an unknown dtype.
+/// Bytes per element; 0 for an unknown dtype.
 inline std::int64_t dtype_size(std::int32_t dtype) {
   constexpr std::array<std::int64_t, 9> kSizes{0, 1, 1, 2, 2, 4, 8, 4, 8};
   return dtype >= 1 && dtype <= 8 ? kSizes[to_index(dtype)] : 0;
@@ -44,8 +44,8 @@ inline const char* dtype_name(std::int32_t dtype) {
 
 namespace detail {
 
-/// What arrays have to do with Eigen, which most that hold one need not read: told in
-/// weft/data/matrix.hpp, for all types that an array may have.
+/// Eigen interface of arrays. weft/data/matrix.hpp defines it for all element types, so that most
+/// users of an array do not include Eigen.
 template <class T>
 struct Matrices {
   static constexpr bool kIncluded = false;
@@ -55,9 +55,9 @@ struct Matrices {
 
 #define WEFT_NEEDS_MATRIX(what) what " works with Eigen matrices: #include <weft/data/matrix.hpp>"
 
-/// A dense n-dimensional array: either it owns 64-byte aligned memory (shared by its copies) or it
-/// borrows memory that outlives it, as all inputs of a plugin do. Default-constructed: absent. An
-/// array on a device has a shape but no elements that can be read here, see weft/sdk/device.hpp.
+/// A dense n-dimensional array. It owns 64-byte aligned memory, shared by its copies, or borrows
+/// memory that outlives it, like all inputs of a plugin. A default-constructed array is absent. An
+/// array on a device has a shape but no elements on the host, see weft/sdk/device.hpp.
 template <class T>
 class Array {
  public:
@@ -65,8 +65,8 @@ class Array {
 
   Array() = default;
 
-  /// Owned, C order, for its maker to write: the elements are not cleared, see mark_unwritten().
-  /// Throws std::length_error for a negative length or more than six axes.
+  /// Allocates an array in C order. The elements are not initialised, see mark_unwritten(). Throws
+  /// std::length_error for a negative length or more than six axes.
   explicit Array(std::initializer_list<std::int64_t> shape)
       : ndim_(static_cast<int>(shape.size())) {
     const bool negative = std::any_of(shape.begin(), shape.end(), [](auto n) { return n < 0; });
@@ -76,7 +76,7 @@ class Array {
     std::copy(shape.begin(), shape.end(), shape_.begin());
     row_stride_ = row_elements();
     const auto bytes = to_index(dim(0) * row_elements()) * sizeof(T);
-    // One block for the elements, a line behind them and the count of references.
+    // One block holds the elements, a trailing line and the reference count.
     struct alignas(64) Line {
       std::array<std::byte, 64> bytes;
     };
@@ -91,12 +91,13 @@ class Array {
     mark_unwritten(data_, bytes);
   }
 
-  /// The same with all elements of one value.
+  /// Allocates an array with all elements set to one value.
   Array(std::initializer_list<std::int64_t> shape, T value) : Array(shape) {
     std::fill_n(data_, size(), value);
   }
 
-  /// A view of memory that outlives it; `row_stride` counts elements between rows of axis 0.
+  /// Borrows memory that outlives the array. `row_stride` is the number of elements between rows of
+  /// axis 0.
   static Array borrow(const T* data, int ndim, const Shape& shape, std::int64_t row_stride) {
     Array view;
     view.data_ = const_cast<T*>(data);
@@ -106,8 +107,8 @@ class Array {
     return view;
   }
 
-  /// An array whose contents a library keeps on a device, under its handle. `owner` keeps them
-  /// there; `hosts` is what the host gave with an input.
+  /// Makes an array whose contents a library keeps on a device under `handle`. `owner` keeps the
+  /// contents alive; `hosts` is the host's pointer of an input.
   static Array on_device(std::uint64_t handle, int ndim, const Shape& shape,
                          const std::shared_ptr<void>& owner, void* hosts = nullptr) {
     Array remote;
@@ -131,7 +132,7 @@ class Array {
   std::int64_t rows() const { return present() ? dim(0) : 0; }
   /// Number of elements.
   std::int64_t size() const { return present() || ndim_ > 0 ? dim(0) * row_elements() : 0; }
-  /// Elements of one entry of axis 0.
+  /// Number of elements per entry of axis 0.
   std::int64_t row_elements() const { return dim(1) * dim(2) * dim(3) * dim(4) * dim(5); }
   std::int64_t row_stride() const { return row_stride_; }
   bool contiguous() const { return row_stride_ == row_elements(); }
@@ -143,8 +144,8 @@ class Array {
   const T& operator()(std::int64_t i, std::int64_t j = 0) const { return row(i)[j]; }
   T& operator()(std::int64_t i, std::int64_t j = 0) { return row(i)[j]; }
 
-  /// The array as a row-major Eigen matrix [rows, Columns]; further axes are flattened. For callers
-  /// that include weft/data/matrix.hpp.
+  /// Returns the array as a row-major Eigen matrix [rows, Columns] with further axes flattened.
+  /// Requires weft/data/matrix.hpp.
   template <int Columns>
   auto matrix() const {
     static_assert(detail::Matrices<T>::kIncluded, WEFT_NEEDS_MATRIX("array.matrix<N>()"));
@@ -166,11 +167,11 @@ class Array {
   void* hosts_ = nullptr;
 };
 
-/// An owned array without axes: a scalar that may be absent.
+/// Makes an owned array without axes, for scalars that may be absent.
 inline Array<double> make_scalar(double value) { return Array<double>({}, value); }
 
-/// An owned array with the contents of an Eigen expression, in C order: [rows, columns], or [rows]
-/// for one column. For callers that include weft/data/matrix.hpp.
+/// Makes an owned array from an Eigen expression, in C order: [rows, columns], or [rows] for one
+/// column. Requires weft/data/matrix.hpp.
 template <class T, class Expression>
 Array<T> make_array(const Expression& values) {
   static_assert(detail::Matrices<T>::kIncluded, WEFT_NEEDS_MATRIX("make_array()"));

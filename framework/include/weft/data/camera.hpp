@@ -10,19 +10,20 @@
 
 namespace weft {
 
-/// A pinhole camera without distortion: u = fx X / Z + cx, v = fy Y / Z + cy; x right, y down, z
-/// forward; pixel centres at integer coordinates.
+/// A pinhole camera without distortion: u = fx X / Z + cx, v = fy Y / Z + cy. In the camera frame,
+/// x is right, y down and z forward. Pixel centres are at integer coordinates.
 struct Camera {
   static constexpr const char* kType = "camera/1";
-  double fx = 0.0;             ///< [] px
-  double fy = 0.0;             ///< [] px
-  double cx = 0.0;             ///< [] px
-  double cy = 0.0;             ///< [] px
-  std::int64_t width_px = 0;   ///< [] px
-  std::int64_t height_px = 0;  ///< [] px
-  Others others = {};          ///< what else the record has
+  double fx = 0.0;             ///< [] px, focal length along u
+  double fy = 0.0;             ///< [] px, focal length along v
+  double cx = 0.0;             ///< [] px, principal point along u
+  double cy = 0.0;             ///< [] px, principal point along v
+  std::int64_t width_px = 0;   ///< [] px, width of the image
+  std::int64_t height_px = 0;  ///< [] px, height of the image
+  Others others = {};          ///< further arrays of the record
 
-  /// Whether a pixel lies in the image, whose border is half a pixel beyond the outer centres.
+  /// Returns whether a pixel lies in the image. The border of the image is half a pixel beyond the
+  /// outer pixel centres.
   bool shows(double x_px, double y_px) const {
     return x_px >= -0.5 && x_px <= static_cast<double>(width_px) - 0.5 && y_px >= -0.5 &&
            y_px <= static_cast<double>(height_px) - 0.5;
@@ -39,14 +40,14 @@ struct Camera {
   }
 };
 
-/// How much is known of a camera without a calibration. It goes with the camera's record, in the
-/// arrays x.weft.focal_sd_px, x.weft.centre_sd_px and x.weft.assumed_from.
+/// Uncertainty of a camera without a calibration. It is stored in the camera's record as
+/// x.weft.focal_sd_px, x.weft.centre_sd_px and x.weft.assumed_from.
 struct CameraAssumption {
-  double focal_sd_px = 0.0;               ///< [px] standard deviation of fx and fy
-  double cx_sd_px = 0.0, cy_sd_px = 0.0;  ///< [px] of the principal point
-  std::string from;                       ///< where the focal length comes from, in words
+  double focal_sd_px = 0.0;               ///< [] px, standard deviation of fx and fy
+  double cx_sd_px = 0.0, cy_sd_px = 0.0;  ///< [] px, standard deviation of the principal point
+  std::string from;                       ///< source of the focal length, as text
 
-  /// That of a camera; nothing for one that was calibrated.
+  /// Returns the uncertainty stored with a camera; nothing for a calibrated camera.
   static std::optional<CameraAssumption> of(const Camera& camera) {
     const auto* focal_sd_px = camera.others.find<double>("x.weft.focal_sd_px");
     const auto* centre_sd_px = camera.others.find<double>("x.weft.centre_sd_px");

@@ -16,8 +16,7 @@
 
 namespace weft {
 
-/// Calls visit(std::type_identity<RecordType>) for each record type, in the order they are
-/// produced.
+/// Calls visit(std::type_identity<RecordType>) for each record type, in the order of production.
 template <class Visit>
 void for_each_record_type(Visit&& visit) {
   const auto each = [&]<class... RecordType>() { (visit(std::type_identity<RecordType>{}), ...); };

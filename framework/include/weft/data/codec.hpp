@@ -15,8 +15,8 @@ namespace weft {
 
 namespace detail {
 
-/// Copies the members of a record struct into arrays of `alloc`; those on a device go to its
-/// adopt(), if any.
+/// Copies the members of a record struct into arrays of `alloc`. Arrays on a device go to its
+/// adopt(), if it has one.
 template <class Alloc>
 class FieldWriter {
  public:
@@ -41,7 +41,7 @@ class FieldWriter {
     std::visit([&](const auto& array) { this->write(entry.name.c_str(), array); }, entry.values);
   }
 
-  /// The first array that was refused, else empty.
+  /// Name of the first refused array; empty if there is none.
   const std::string& refused() const { return refused_; }
 
  private:
@@ -88,9 +88,9 @@ class FieldWriter {
 
 }  // namespace detail
 
-/// A record struct that borrows the arrays of `record`, and keeps those that the catalogue does not
-/// name, see Others. Fails with invalid_data when the record is
-/// of another type, or an array is missing or has the wrong type or shape.
+/// Makes a record struct that borrows the arrays of `record` and keeps arrays unknown to the
+/// catalogue, see Others. Fails with invalid_data if the record has another type, or if an array is
+/// missing or has a wrong type or shape.
 template <class RecordType>
 Result<RecordType> read_record(const weft_record& record, detail::Read read = detail::Read::all) {
   if (std::string_view(record.type) != RecordType::kType) {
@@ -110,14 +110,15 @@ Result<RecordType> read_record(const weft_record& record, detail::Read read = de
   return typed;
 }
 
-/// The same without its texts and the arrays that the catalogue does not name, which stay empty:
-/// allocates nothing.
+/// Reads the struct without its texts and without arrays unknown to the catalogue. Does not
+/// allocate.
 template <class RecordType>
 Result<RecordType> read_arrays(const weft_record& record) {
   return read_record<RecordType>(record, detail::Read::arrays);
 }
 
-/// Copies a record struct out through alloc(name, dtype, ndim, shape) -> void* (null when refused).
+/// Copies a record struct through alloc(name, dtype, ndim, shape) -> void*, which returns null to
+/// refuse.
 template <class RecordType, class Alloc>
 Result<void> write_record(const RecordType& typed, Alloc&& alloc) {
   detail::FieldWriter<std::remove_reference_t<Alloc>> writer(alloc);

@@ -5,33 +5,33 @@
 
 namespace weft {
 
-/// Matches between the template's texture and the image. Filters mark matches, they never drop or
-/// reorder them: `kept` is 1 for all until a filter speaks.
+/// Matches between the template's texture and the image. Filters mark matches and never drop or
+/// reorder them. `kept` is 1 for all matches before the first filter.
 ///
-/// Who knows only where a match is on the template says -1 for its face, and may give template_xy_m
-/// with any template_px. The host completes what sources and matchers give before anybody reads it:
-/// template_px of template_xy_m, and face and barycentrics where the face is -1. A match beyond the
-/// mesh (by more than half of its mean edge) stays at -1: it is on no face, takes part where only
-/// its pixels count, and is left out and counted where its place on the surface does.
+/// A source or matcher may give only positions on the template, with face -1. It may also give
+/// template_xy_m with any template_px. The host then completes template_px, face and barycentrics
+/// before any other component reads the record. A match beyond the mesh by more than half of its
+/// mean edge keeps face -1. Such a match counts where only its pixels matter. Components that need
+/// its position on the surface omit and count it.
 struct Correspondences {
   static constexpr const char* kType = "correspondences/1";
   Array<double> template_px;              ///< [N,2] px of the texture
   Array<double> image_px;                 ///< [N,2] px
   Array<std::int32_t> template_keypoint;  ///< [N] index, -1 for none
   Array<std::int32_t> image_keypoint;     ///< [N] index, -1 for none
-  Array<std::int32_t> face;               ///< [N] face of the template, -1: beyond it or not known
-  Array<double> barycentrics;             ///< [N,3] weights in that face, sum 1
-  Array<double> distance;                 ///< [N] between the descriptors
-  Array<double> ratio;                    ///< [N] to the second nearest distance
-  Array<double> scale_ratio;              ///< [N] image scale / template scale
-  Array<double> angle_difference_rad;     ///< [N] rad, image minus template, in (-pi, pi]
-  Array<double> covariance_px2;           ///< [N,2,2] px^2, of image_px
-  Array<std::uint8_t> kept;               ///< [N] 1 unless a filter rejected it
-  Array<double> score;                    ///< [N] larger is more trusted; 1 before any filter
-  Array<double> confidence;               ///< [] that what is kept is the object, by the filters
-  Array<double> template_xy_m;  ///< [N,2] m, m_per_px * (u,v); the host makes template_px of it
-  Diagnostics diag = {};        ///< of the matcher; filters have their own
-  Others others = {};           ///< what else the record has
+  Array<std::int32_t> face;    ///< [N] face of the template; -1: beyond the mesh or unknown
+  Array<double> barycentrics;  ///< [N,3] weights in that face, sum 1
+  Array<double> distance;      ///< [N] distance between the descriptors, unit of the matcher
+  Array<double> ratio;         ///< [N] distance divided by the second nearest distance
+  Array<double> scale_ratio;   ///< [N] image scale / template scale
+  Array<double> angle_difference_rad;  ///< [N] rad, image minus template, in (-pi, pi]
+  Array<double> covariance_px2;        ///< [N,2,2] px^2, covariance of image_px
+  Array<std::uint8_t> kept;            ///< [N] 1 unless a filter rejected it
+  Array<double> score;                 ///< [N] larger is more trusted; 1 before the first filter
+  Array<double> confidence;  ///< [] probability that the kept matches show the object, from filters
+  Array<double> template_xy_m;  ///< [N,2] m, m_per_px * (u,v); the host derives template_px from it
+  Diagnostics diag = {};        ///< diagnostics of the matcher; filters have their own
+  Others others = {};           ///< further arrays of the record
 
   std::int64_t count() const { return template_px.rows(); }
 
@@ -68,8 +68,8 @@ struct InlierMask {
   Array<std::uint8_t> kept;  ///< [N] 1 for a match that is kept
   Array<double> score;       ///< [N] larger is more trusted
   Diagnostics diag;
-  Array<double> confidence = {};  ///< [] probability that what is kept is the object
-  Others others = {};             ///< what else the record has
+  Array<double> confidence = {};  ///< [] probability that the kept matches show the object
+  Others others = {};             ///< further arrays of the record
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -81,11 +81,11 @@ struct InlierMask {
   }
 };
 
-/// How much each match counts in a fit.
+/// Weight of each match in a fit.
 struct Weights {
   static constexpr const char* kType = "weights/1";
   Array<double> weight;  ///< [N] >= 0
-  Others others = {};    ///< what else the record has
+  Others others = {};    ///< further arrays of the record
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

@@ -56,7 +56,7 @@ inline AnyArray borrow_any(const weft_array& array) {
   }
 }
 
-/// Whether the catalogue of this SDK names an array of a record type.
+/// Returns whether the catalogue of this SDK contains an array of a record type.
 template <class RecordType>
 bool is_named(std::string_view array) {
   bool found = false;
@@ -70,13 +70,13 @@ bool is_named(std::string_view array) {
   return found;
 }
 
-/// Whether an array can be kept under its name and read where it lies.
+/// Returns whether an array can be kept under its name and read in place.
 inline bool can_be_kept(const weft_array& array) {
   return std::string_view(array.name).size() <= Name::kLongest &&
          ShapePattern::check_layout(array).empty();
 }
 
-/// Compares the arrays of a record with the fields of its struct; keeps the first error.
+/// Compares the arrays of a record with the fields of its struct and keeps the first error.
 class FieldCheck {
  public:
   explicit FieldCheck(const weft_record& record) : record_(record) {}
@@ -95,7 +95,7 @@ class FieldCheck {
   const std::string& error() const { return error_; }
 
  protected:
-  /// Null where the array is absent or not as it should be.
+  /// Returns null if the array is absent or invalid.
   const weft_array* checked(const Field& field, std::int32_t dtype) {
     const weft_array* array = find_array(record_, field.name);
     std::string problem;
@@ -119,7 +119,7 @@ class FieldCheck {
 
   const weft_record& record() const { return record_; }
 
-  std::uint64_t found_ = 0;  ///< arrays of the record that the catalogue names
+  std::uint64_t found_ = 0;  ///< number of arrays found in the catalogue
 
  private:
   const weft_record& record_;
@@ -127,11 +127,10 @@ class FieldCheck {
   std::string error_;
 };
 
-/// What of a record is read: all, or its arrays and numbers without texts and what the catalogue
-/// does not name.
+/// Extent of a read: everything, or only arrays and numbers without texts and unknown arrays.
 enum class Read { all, arrays };
 
-/// Fills the members of a record struct from the arrays of a record; keeps the first error.
+/// Fills the members of a record struct from the arrays of a record and keeps the first error.
 class FieldReader : public FieldCheck {
  public:
   FieldReader(const weft_record& record, Read read) : FieldCheck(record), read_(read) {}
@@ -155,7 +154,7 @@ class FieldReader : public FieldCheck {
   void operator()(NamedArrays& member, const Field&) { collect(member.prefix, member.entries); }
   void operator()(Diagnostics& member, const Field&) { collect("diag.", member.entries()); }
 
-  /// Once all fields have been visited: what the catalogue does not name.
+  /// Reads the arrays unknown to the catalogue, after a visit to all fields.
   template <class RecordType>
   void collect_others(Others& others) const {
     if (found_ == record().count) return;

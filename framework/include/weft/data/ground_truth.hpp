@@ -5,31 +5,35 @@
 
 namespace weft {
 
-/// True 3D positions of points of the template. Only sinks, the evaluation and components that
-/// declare `uses_truth` may read it.
+/// True 3D positions of template points. Only sinks, the evaluation and components that declare
+/// `uses_truth` may read it.
 struct GroundTruth {
   static constexpr const char* kType = "ground_truth/1";
-  Array<double> template_xy_m;  ///< [T,2] m, m_per_px * (u,v): the top-left texel's centre is (0,0)
-  Array<double> points_m;       ///< [T,3] m, camera frame
-  std::string kind;             ///< [n] how the truth was measured; groups the report
-  std::string apart;            ///< [n] why the frame is reported apart; empty if it is not
-  Array<std::int32_t> faces = {};    ///< [F,3] the points are the corners of the true surface
+  Array<double>
+      template_xy_m;       ///< [T,2] m, m_per_px * (u,v); the centre of the top-left texel is (0,0)
+  Array<double> points_m;  ///< [T,3] m, camera frame
+  std::string kind;        ///< [n] measurement method of the truth; groups the rows of reports
+  std::string exclusion;   ///< [n] reason why the frame is reported separately; empty if it is not
+  Array<std::int32_t> faces = {};    ///< [F,3] faces of the true surface over the points
   Array<std::uint8_t> visible = {};  ///< [T] 1 where the camera sees the point
-  Array<float> depth_m = {};         ///< [H,W] m along the optical axis, 0 where it is not known
-  Array<float> uv_m = {};  ///< [H,W,2] m, template point seen at the pixel, NaN where none is
-  Array<double> match_xy_px = {};  ///< [N,2] px, true image of the source's matches, or NaN
+  Array<float> depth_m = {};         ///< [H,W] m, along the optical axis; 0 where unknown
+  Array<float> uv_m =
+      {};  ///< [H,W,2] m, template point visible at the pixel; NaN where there is none
+  Array<double> match_xy_px =
+      {};  ///< [N,2] px, true image of the source's matches; NaN where unknown
   Array<std::int8_t> match_label =
-      {};                      ///< [N] of the source's matches: 1 correct, 0 mismatch, -1 unknown
-  Array<double> cloud_m = {};  ///< [P,3] m, camera frame, on the surface; nobody knows where on it
-  Array<std::int32_t> cloud_faces = {};  ///< [G,3] the cloud's points are corners of the surface
-  Array<std::uint8_t> part_names = {};   ///< [n] of the parts that are scored apart, one a line
-  Array<std::int32_t> point_part = {};   ///< [T] index of each true point's part, -1 for none
-  Array<std::int32_t> cloud_part = {};   ///< [P] the same of the cloud's points
+      {};                      ///< [N] of the source's matches: 1 inlier, 0 outlier, -1 unknown
+  Array<double> cloud_m = {};  ///< [P,3] m, camera frame, on the surface; template points unknown
+  Array<std::int32_t> cloud_faces = {};  ///< [G,3] faces of the surface over the cloud's points
+  Array<std::uint8_t> part_names =
+      {};  ///< [n] names of the parts that are scored separately, one per line
+  Array<std::int32_t> point_part = {};  ///< [T] index of each true point's part, -1 for none
+  Array<std::int32_t> cloud_part = {};  ///< [P] index of each cloud point's part, -1 for none
   Diagnostics diag = {};
-  Others others = {};  ///< what else the record has
+  Others others = {};  ///< further arrays of the record
 
   std::int64_t count() const { return template_xy_m.rows(); }
-  /// The names of the parts, as `point_part` and `cloud_part` count them.
+  /// The names of the parts, in the order of the indices in `point_part` and `cloud_part`.
   std::vector<std::string> parts() const {
     std::vector<std::string> names;
     for (std::int64_t i = 0; part_names.present() && i < part_names.rows(); ++i) {
@@ -45,7 +49,7 @@ struct GroundTruth {
     visit(self.template_xy_m, Field{"template_xy_m", "T,2", "m", "m_per_px * (u,v)"});
     visit(self.points_m, Field{"points_m", "T,3", "m, camera", "true positions"});
     visit(self.kind, Field{"kind", "*", "", "how the truth was measured"});
-    visit(self.apart, Field{"apart", "*", "", "why the frame is reported apart, or empty"});
+    visit(self.exclusion, Field{"apart", "*", "", "why the frame is reported apart, or empty"});
     visit(self.faces, Field{"faces", "F,3", "index", "triangles over the true points", true});
     visit(self.visible, Field{"visible", "T", "0 or 1", "1 where the camera sees the point", true});
     visit(self.depth_m,

@@ -8,9 +8,9 @@ namespace weft {
 /// One undistorted frame. Pixel centres are at integer coordinates.
 struct Image {
   static constexpr const char* kType = "image/1";
-  Array<std::uint8_t> pixels;  ///< [H,W] or [H,W,3] grey levels or BGR
+  Array<std::uint8_t> pixels;  ///< [H,W] grey levels or [H,W,3] BGR, 0 to 255
   std::string stem;            ///< [n] name of the frame without folder and extension
-  Others others = {};          ///< what else the record has
+  Others others = {};          ///< further arrays of the record
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -19,11 +19,11 @@ struct Image {
   }
 };
 
-/// When the frame was taken.
+/// Capture time of the frame.
 struct Time {
   static constexpr const char* kType = "time/1";
   double t_s = 0.0;    ///< [] s since the first frame
-  Others others = {};  ///< what else the record has
+  Others others = {};  ///< further arrays of the record
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -31,12 +31,12 @@ struct Time {
   }
 };
 
-/// How many frames a source has.
+/// Number of frames of a source.
 struct Count {
   static constexpr const char* kType = "count/1";
-  std::int64_t frames = -1;  ///< [] number of frames, -1 when unknown (a camera, a stream)
-  std::int64_t live = 0;     ///< [] 1 where frames come by themselves, as those of a camera do
-  Others others = {};        ///< what else the record has
+  std::int64_t frames = -1;  ///< [] number of frames; -1 if unknown (camera, stream)
+  std::int64_t live = 0;     ///< [] 1 if frames arrive on their own, as from a camera
+  Others others = {};        ///< further arrays of the record
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -45,11 +45,11 @@ struct Count {
   }
 };
 
-/// The part of an image that may be used.
+/// The part of an image that components may use.
 struct Region {
   static constexpr const char* kType = "region/1";
-  Array<std::uint8_t> mask;  ///< [H,W] 0 or 1
-  Others others = {};        ///< what else the record has
+  Array<std::uint8_t> mask;  ///< [H,W] 1 where the image may be used, else 0
+  Others others = {};        ///< further arrays of the record
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

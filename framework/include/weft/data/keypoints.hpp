@@ -8,18 +8,18 @@ namespace weft {
 /// Distinctive points of an image or of a template's texture with their descriptors.
 struct Keypoints {
   static constexpr const char* kType = "keypoints/1";
-  Array<double> xy_px;                     ///< [K,2] px, pixel centres at integers
-  Array<double> scale_px;                  ///< [K] px, sigma of the detected blob or its like
-  Array<double> angle_rad;                 ///< [K] rad, clockwise on the screen from +x
-  Array<double> response;                  ///< [K] strength, the detector's own unit
-  Array<std::int32_t> octave;              ///< [K] pyramid level
-  std::string metric;                      ///< [n] "l2" or "hamming"
-  Array<float> descriptors;                ///< [K,D] for metric l2
-  Array<std::uint8_t> binary_descriptors;  ///< [K,B] for metric hamming, bytes
+  Array<double> xy_px;         ///< [K,2] px, pixel centres at integers
+  Array<double> scale_px;      ///< [K] px, sigma of the detected blob or an equivalent scale
+  Array<double> angle_rad;     ///< [K] rad, clockwise in the image from +x
+  Array<double> response;      ///< [K] strength, in the detector's unit
+  Array<std::int32_t> octave;  ///< [K] pyramid level of the detector
+  std::string metric;          ///< [n] "l2" or "hamming"
+  Array<float> descriptors;    ///< [K,D] descriptors for metric l2
+  Array<std::uint8_t> binary_descriptors;  ///< [K,B] descriptors for metric hamming, bytes
   Array<std::int32_t> face;                ///< [K] face of the template, -1 for none
   Array<double> barycentrics;              ///< [K,3] weights in that face, sum 1
-  std::uint64_t revision = 0;              ///< equal only for equal content; 0: not known
-  Others others = {};                      ///< what else the record has
+  std::uint64_t revision = 0;              ///< equal only for equal content; 0: unknown
+  Others others = {};                      ///< further arrays of the record
 
   std::int64_t count() const { return xy_px.rows(); }
 

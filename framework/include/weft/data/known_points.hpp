@@ -5,15 +5,14 @@
 
 namespace weft {
 
-/// Points of the surface whose 3D position is known, for example held by a robot's gripper.
+/// Surface points with known 3D positions, for example under a robot's gripper.
 struct KnownPoints {
   static constexpr const char* kType = "known_points/1";
   Array<std::int32_t> vertex;  ///< [P] index, -1 for a point given by template_xy_m
   Array<double> points_m;      ///< [P,3] m, camera frame
-  Array<double> radius_m;      ///< [P] m, the point lies within; 0 holds it exactly, a negative one
-                               ///< is the solver's own
-  Array<double> template_xy_m = {};  ///< [P,2] m, m_per_px * (u,v); read where the vertex is -1
-  Others others = {};                ///< what else the record has
+  Array<double> radius_m;      ///< [P] m, tolerance radius; 0: exact, negative: the solver's own
+  Array<double> template_xy_m = {};  ///< [P,2] m, m_per_px * (u,v); read if the vertex is -1
+  Others others = {};                ///< further arrays of the record
 
   std::int64_t count() const { return vertex.rows(); }
 

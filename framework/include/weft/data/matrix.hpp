@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Arrays as Eigen matrices: array.matrix<N>() and make_array<T>(expression), which are declared in
-// array.hpp. The only header of weft/data that needs Eigen.
+// Eigen interface of arrays: array.matrix<N>() and make_array<T>(expression), declared in
+// array.hpp. This is the only header of weft/data that includes Eigen.
 
 #include <Eigen/Core>
 #include <cstdint>
@@ -16,7 +16,7 @@ requires std::is_arithmetic_v<T>
 struct Matrices<T> {
   static constexpr bool kIncluded = true;
 
-  /// [rows, Columns], of elements that are const or not.
+  /// Matrix type [rows, Columns] with const or mutable elements.
   template <int Columns, class Element>
   static auto view(Element* data, std::int64_t rows, std::int64_t row_stride) {
     using RowMajor =

@@ -12,11 +12,11 @@
 
 namespace weft {
 
-/// What precedes the elements of an array.
+/// Header of a NumPy array file.
 struct NpyHeader {
-  std::int32_t dtype = 0;
-  std::vector<std::int64_t> shape;
-  std::size_t data_offset = 0;
+  std::int32_t dtype = 0;           ///< weft_dtype of the elements
+  std::vector<std::int64_t> shape;  ///< [ndim] length of each axis
+  std::size_t data_offset = 0;      ///< offset of the elements, in bytes
 };
 
 namespace detail {
@@ -43,7 +43,7 @@ inline std::string npy_header(const weft_array& array) {
 
 }  // namespace detail
 
-/// The array in NumPy's format; rows may be padded in memory, never in the file.
+/// Encodes an array in NumPy's format. Rows may be padded in memory; the file has no padding.
 inline std::string to_npy(const weft_array& array) {
   std::string bytes = detail::npy_header(array);
   std::int64_t row_bytes = dtype_size(array.dtype);
@@ -56,14 +56,15 @@ inline std::string to_npy(const weft_array& array) {
   return bytes;
 }
 
-/// Fails unless the bytes are one whole array of a type and size that a record may have.
+/// Parses a NumPy file. Fails unless it contains one complete array with a type and size that a
+/// record may have.
 inline Result<NpyHeader> parse_npy(const std::string& bytes) {
   const Error damaged{Errc::invalid_data, "is no array in NumPy's format 1.0", {}};
   if (bytes.size() < 10 || bytes.compare(0, 7, "\x93NUMPY\x01", 7) != 0) return damaged;
   const auto byte = [&](std::size_t i) { return to_index(static_cast<unsigned char>(bytes[i])); };
   NpyHeader header;
   header.data_offset = 10 + byte(8) + 256 * byte(9);
-  // NumPy aligns the elements, and readers rely on it.
+  // NumPy aligns the elements and readers rely on it.
   if (header.data_offset > bytes.size() || header.data_offset % 8 != 0) return damaged;
   const std::string text = bytes.substr(10, header.data_offset - 10);
   if (text.find("'fortran_order': False") == std::string::npos) return damaged;
@@ -76,7 +77,7 @@ inline Result<NpyHeader> parse_npy(const std::string& bytes) {
   if (header.dtype == 0 || open == std::string::npos || close == std::string::npos) return damaged;
   std::istringstream list(text.substr(open + 1, close - open - 1));
   std::uint64_t expected = static_cast<std::uint64_t>(dtype_size(header.dtype));
-  std::uint64_t extent = expected;  // with 1 for 0, so that no stride overflows
+  std::uint64_t extent = expected;  // with 1 for 0, to prevent overflow of the strides
   for (std::string word; std::getline(list, word, ',');) {
     if (word.find_first_of("0123456789") == std::string::npos) continue;
     std::int64_t length = 0;

@@ -12,8 +12,8 @@
 
 namespace weft {
 
-/// A file inside an npz archive: the array of a slot in NumPy's format 1.0, or the record's type
-/// as text. Whoever writes or reads the archive itself needs a library for zip files.
+/// A file inside an npz archive: the array of a slot in NumPy's format 1.0, or the record's type as
+/// text. The archive itself needs a zip library.
 struct NpzMember {
   static constexpr const char* kType = "record_type";
 
@@ -21,7 +21,7 @@ struct NpzMember {
 
   std::string path() const { return slot + "/" + array + ".npy"; }
   bool is_type() const { return array == kType; }
-  /// Without its bytes; nothing for a path of another form.
+  /// Parses the path of a member without its bytes; nothing for a path of another form.
   static std::optional<NpzMember> of_path(const std::string& path) {
     const std::size_t slash = path.rfind('/');
     if (slash == std::string::npos || !path.ends_with(".npy")) return std::nullopt;
@@ -31,14 +31,14 @@ struct NpzMember {
 
 inline constexpr std::int64_t kMostNpzMembers = 10'000;
 
-/// What the members of an archive of so many bytes may hold together, so that a small file cannot
-/// ask for all memory: a hundred times its size and 64 MiB.
+/// Limit of the total size of the members, in bytes: a hundred times the archive's size plus 64
+/// MiB. It keeps a small file from exhausting the memory.
 inline std::uint64_t most_npz_bytes(std::uint64_t file_bytes) {
   constexpr std::uint64_t kMostRatio = 100, kAlways = 1ULL << 26U, kMost = 1ULL << 33U;
   return std::min(kMost, kAlways + kMostRatio * std::min(file_bytes, kMost));
 }
 
-/// Appends the members of a record: its type first, then its arrays.
+/// Appends the members of a record: first its type, then its arrays.
 inline void add_npz_members(const weft_record& record, std::vector<NpzMember>& members) {
   const std::string type = record.type;
   weft_array text{};
@@ -53,10 +53,10 @@ inline void add_npz_members(const weft_record& record, std::vector<NpzMember>& m
   }
 }
 
-/// The record of one slot over the bytes of its members, which it keeps.
+/// The record of one slot, which owns the bytes of its members.
 class NpzRecord {
  public:
-  /// Fails without the slot's type, and on a member that is no array.
+  /// Fails if the slot's type is missing or a member is not an array.
   static Result<NpzRecord> create(std::vector<NpzMember> members, const std::string& slot) {
     std::erase_if(members, [&](const NpzMember& member) { return member.slot != slot; });
     NpzRecord record;
@@ -77,7 +77,7 @@ class NpzRecord {
     return Error{Errc::invalid_data, "there is no record '" + slot + "'"};
   }
 
-  /// Calls read(weft_record); the record lives as long as this.
+  /// Calls read(weft_record); the record is valid for the lifetime of this object.
   template <class Read>
   auto with_view(Read&& read) const {
     std::vector<weft_array> arrays;

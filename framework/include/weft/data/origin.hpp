@@ -16,9 +16,9 @@
 namespace weft {
 namespace detail {
 
-/// Visits the members of a record struct and tells whether they are those that they were: arrays by
-/// where they lie and how, numbers and texts by what they are. The lower half of the value is of
-/// the record's lengths alone, those that the catalogue has letters for.
+/// Visits the members of a record struct to detect changes: arrays by address and layout, numbers
+/// and texts by value. The lower half of the value depends only on the record's lengths that have a
+/// letter in the catalogue.
 class Fingerprint {
  public:
   template <class T>
@@ -46,7 +46,7 @@ class Fingerprint {
   void operator()(const NamedArrays& member, const Field& /*field*/) { add_all(member.entries); }
   void operator()(const Diagnostics& member, const Field& /*field*/) { add_all(member.entries()); }
 
-  /// Never 0.
+  /// The fingerprint; never 0.
   std::uint64_t value() const {
     std::uint64_t lengths = 0;
     for (const std::int64_t length : lengths_) {
@@ -55,7 +55,7 @@ class Fingerprint {
     return ((sum_ | (kLengths + 1U)) & ~kLengths) | (lengths & kLengths);
   }
 
-  static constexpr std::uint64_t kLengths = 0xFFFFFFFFU;  ///< the bits that are of lengths
+  static constexpr std::uint64_t kLengths = 0xFFFFFFFFU;  ///< the bits that depend on lengths
 
  private:
   template <class T>
@@ -75,7 +75,7 @@ class Fingerprint {
       std::visit([this](const auto& array) { this->add(array); }, entry.values);
     }
   }
-  // The finisher of SplitMix64 over what there was and what there is.
+  // Mixes a number into a sum with the finisher of SplitMix64.
   static std::uint64_t mixed(std::uint64_t sum, std::uint64_t number) {
     sum = (sum ^ number) + 0x9E3779B97F4A7C15U;
     sum = (sum ^ (sum >> 30U)) * 0xBF58476D1CE4E5B9U;
@@ -99,22 +99,22 @@ std::uint64_t fingerprint_of(const RecordType& typed) {
   return fingerprint.value();
 }
 
-/// Whether a record struct has the members with which it was read. An array whose elements were
-/// written where they lie is not noticed: inputs are read-only.
+/// Returns whether a record struct still has the members with which it was read. Elements that were
+/// overwritten in place are not detected; inputs are read-only.
 template <class RecordType>
 bool is_as_read(const RecordType& typed) {
   const std::uint64_t read = typed.others.fingerprint();
   return read != 0 && read == fingerprint_of(typed);
 }
 
-/// Whether a record struct has the lengths with which it was read.
+/// Returns whether a record struct still has the lengths with which it was read.
 template <class RecordType>
 bool is_as_long(const RecordType& typed) {
   const std::uint64_t changed = typed.others.fingerprint() ^ fingerprint_of(typed);
   return (changed & Fingerprint::kLengths) == 0;
 }
 
-/// Calls visit(NamedArray) for the arrays of others that go on with a record struct.
+/// Calls visit(NamedArray) for the further arrays that are passed on with a record struct.
 template <class RecordType, class Visit>
 void for_each_other(const RecordType& typed, Visit&& visit) {
   for (const NamedArray& entry : typed.others.own()) visit(entry);
@@ -128,8 +128,8 @@ void for_each_other(const RecordType& typed, Visit&& visit) {
   }
 }
 
-/// The revision of a record struct that is passed on: 0 once it has been changed. Who makes one
-/// answers for the revision that it sets.
+/// The revision of a record struct that is passed on; 0 if the struct has changed. A component that
+/// creates a record is responsible for the revision that it sets.
 template <class RecordType>
 std::uint64_t revision_of(const RecordType& typed) {
   const bool made = typed.others.fingerprint() == 0;

@@ -14,39 +14,39 @@
 
 namespace weft {
 
-/// An array of any type of elements.
+/// An array with any element type.
 using AnyArray = std::variant<Array<double>, Array<float>, Array<std::uint8_t>, Array<std::int8_t>,
                               Array<std::uint16_t>, Array<std::int16_t>, Array<std::int32_t>,
                               Array<std::int64_t>>;
 
-/// An array beyond the catalogue: `diag.*` evidence, `model.*` of a warp, or one of others.
+/// An array outside the catalogue: `diag.*` diagnostics, `model.*` of a warp, or an unknown array.
 struct NamedArray {
   Name name;
   AnyArray values;
 
-  /// Null where the elements are of another type.
+  /// Returns the array; null for another element type.
   template <class T = double>
   const Array<T>* as() const {
     return std::get_if<Array<T>>(&values);
   }
 };
 
-/// Whether a name is that of an array of a third party: `x.vendor.name`, neither part empty.
+/// Returns whether a name is a third-party array name, `x.vendor.name` with non-empty parts.
 inline bool is_vendor_name(std::string_view name) {
   if (!name.starts_with("x.")) return false;
   const std::size_t dot = name.find('.', 2);
   return dot != std::string_view::npos && dot > 2 && dot + 1 < name.size();
 }
 
-/// What a record has besides the members of its struct: arrays that the catalogue of this SDK does
-/// not name, made by a newer one or by a third party, and where the struct was read from. Those
-/// that were read are borrowed, as all members are, and valid as long: until the call returns. They
-/// go on when the struct is given to a nested component or returned, also with other members, as
-/// long as the record's lengths are those that were read. The revision goes on only with the
-/// members that were read, and is 0 otherwise.
+/// Everything in a record beyond the members of its struct: its origin and the arrays unknown to
+/// the catalogue of this SDK. Such arrays come from a newer SDK or a third party. Arrays that were
+/// read are borrowed and valid until the call returns, like all members. They are passed on when
+/// the struct goes to a nested component or is returned, also with changed members. The condition
+/// is that the record's lengths are unchanged. The revision is passed on only with unchanged
+/// members and is 0 otherwise.
 class Others {
  public:
-  /// The array of this name and type of elements; null where there is none.
+  /// The array of this name and element type; null if there is none.
   template <class T>
   const Array<T>* find(std::string_view name) const {
     for (const auto* entries : {&own_, &read_}) {
@@ -57,8 +57,8 @@ class Others {
     return nullptr;
   }
 
-  /// Adds or replaces an array of the component's own, "x.vendor.name", which goes with the record
-  /// in any case. Throws std::invalid_argument for another name.
+  /// Adds or replaces an array of the component, "x.vendor.name", which is always passed on with
+  /// the record. Throws std::invalid_argument for another name.
   template <class T>
   void set(std::string_view name, Array<T> values) {
     if (!is_vendor_name(name)) {
@@ -70,19 +70,19 @@ class Others {
     own_.push_back({name, std::move(values)});
   }
 
-  /// Leaves behind what was read; for who gives the elements of a record another order.
+  /// Discards the arrays that were read; required when the elements of a record are reordered.
   void drop() { read_.clear(); }
 
-  /// That the record was made in, or WEFT_NO_FRAME.
+  /// Index of the frame in which the record was made, or WEFT_NO_FRAME.
   std::int64_t frame() const { return frame_; }
 
-  // What follows is for readers and writers of records.
+  // The following members serve readers and writers of records.
 
   const std::vector<NamedArray>& own() const { return own_; }
   const std::vector<NamedArray>& read() const { return read_; }
   std::vector<NamedArray>& own() { return own_; }
   std::vector<NamedArray>& read() { return read_; }
-  /// Of the members when they were read; 0 of a struct that was not.
+  /// Fingerprint of the members at the time of the read; 0 for a struct that was not read.
   std::uint64_t fingerprint() const { return fingerprint_; }
   std::uint64_t revision() const { return revision_; }
   std::int32_t view() const { return view_; }

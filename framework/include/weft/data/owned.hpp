@@ -9,8 +9,7 @@
 
 namespace weft {
 
-/// The array in memory of its own, in C order: what it was borrowed from may go. Not for arrays on
-/// a device.
+/// Copies the array into its own memory, in C order. Not for arrays on a device.
 template <class T>
 Array<T> owned(const Array<T>& array) {
   if (!array.present()) return {};
@@ -32,7 +31,7 @@ Array<T> owned(const Array<T>& array) {
 
 namespace detail {
 
-/// Lets each member of a record struct own what it borrows.
+/// Copies borrowed members of a record struct into their own memory.
 struct TakeOver {
   template <class T>
   void operator()(Array<T>& member, const Field& /*field*/) const {
@@ -54,8 +53,8 @@ struct TakeOver {
 
 }  // namespace detail
 
-/// The struct of a record with all arrays in memory of its own, those of others too. Who has it may
-/// write into them, so that its revision is 0.
+/// Copies all arrays of a record struct into their own memory, including the further ones. The copy
+/// may be modified, so its revision is 0.
 template <class RecordType>
 RecordType owned_record(RecordType typed) {
   const bool made = typed.others.fingerprint() == 0;

@@ -13,20 +13,22 @@
 
 namespace weft {
 
-/// What the catalogue says of one array of a record. `shape` is "" for a scalar, else lengths or
-/// letters separated by commas ("N,2"); a letter has one value in a record. "*" takes any length,
-/// "H,W,?" an optional last axis.
+/// Catalogue entry of one array of a record. `shape` is "" for a scalar, else lengths or letters
+/// separated by commas ("N,2"). A letter has one value per record. "*" is any length; "H,W,?" has
+/// an optional last axis.
 struct Field {
   const char* name;
   const char* shape;
-  const char* unit;  ///< unit and frame, "" where there is none
+  const char* unit;  ///< unit and frame; "" if there is none
   const char* meaning;
   bool optional = false;
-  bool may_be_nan = false;        ///< NaN marks a missing value
-  bool may_be_on_device = false;  ///< readers ask is_on_device() before they read elements
+  bool may_be_nan = false;  ///< true if NaN marks a missing value
+  bool may_be_on_device =
+      false;  ///< true if readers must check is_on_device() before they read elements
 };
 
-/// Evidence that a component gives with its result: scalars go to frames.jsonl, arrays to dumps.
+/// Diagnostics that a component returns with its result. Scalars go to frames.jsonl, arrays to
+/// dumps.
 class Diagnostics {
  public:
   void set(std::string_view name, double value) { set(name, make_scalar(value)); }
@@ -39,7 +41,7 @@ class Diagnostics {
   const std::vector<NamedArray>& entries() const { return entries_; }
   std::vector<NamedArray>& entries() { return entries_; }
 
-  /// The scalar of this name, of whatever type, or `fallback`.
+  /// The scalar of this name, converted from any type, or `fallback`.
   double value(std::string_view name, double fallback) const {
     for (const NamedArray& entry : entries_) {
       if (std::string_view(entry.name).substr(5) != name) continue;
@@ -50,7 +52,7 @@ class Diagnostics {
     }
     return fallback;
   }
-  /// The array of this name and type of elements; null where there is none.
+  /// The array of this name and element type; null if there is none.
   template <class T = double>
   const Array<T>* find(std::string_view name) const {
     for (const NamedArray& entry : entries_) {
@@ -63,12 +65,12 @@ class Diagnostics {
   std::vector<NamedArray> entries_;
 };
 
-/// All arrays of a record whose names begin with a prefix, passed through untouched.
+/// All arrays of a record whose names begin with a prefix, passed on unchanged.
 struct NamedArrays {
-  const char* prefix;
-  std::vector<NamedArray> entries;
+  const char* prefix;               ///< prefix of the names, such as "model."
+  std::vector<NamedArray> entries;  ///< [.] arrays with that prefix
 
-  /// The array of this name and type of elements; null where there is none.
+  /// The array of this name and element type; null if there is none.
   template <class T = double>
   const Array<T>* find(std::string_view name) const {
     for (const NamedArray& entry : entries) {
@@ -81,9 +83,9 @@ struct NamedArrays {
 // The struct of a record type has
 //   static constexpr const char* kType = "name/version";
 //   template <class Self, class Visit> static void fields(Self& self, Visit&& visit);
-// whose visit(member, Field) calls are the catalogue: readers, writers, validation and the
-// documentation are made from them. Members are Array<T>, double, std::int64_t, std::int32_t,
-// std::string, NamedArrays or Diagnostics. What else a record has is in a member `others` of type
-// Others, which is not visited.
+// Its visit(member, Field) calls are the catalogue, from which readers, writers, validation and
+// documentation are generated. Members are Array<T>, double, std::int64_t, std::int32_t,
+// std::string, NamedArrays or Diagnostics. The member `others` of type Others contains everything
+// else in a record and is not visited.
 
 }  // namespace weft

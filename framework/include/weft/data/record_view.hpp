@@ -10,8 +10,8 @@
 
 namespace weft {
 
-/// A record struct seen as a weft_record, without a copy; the struct must outlive it. What it was
-/// read with and the catalogue does not name goes with it, and its revision; see Others.
+/// A record struct as a weft_record, without a copy. The struct must outlive it. Further arrays and
+/// the revision are passed on, see Others.
 template <class RecordType>
 class RecordView {
  public:

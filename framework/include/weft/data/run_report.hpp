@@ -5,11 +5,11 @@
 
 namespace weft {
 
-/// What a frame came to before its sinks: states, reasons, times and counts of all stages.
+/// Report on a frame before its sinks: states, reasons, times and counts of all stages.
 struct FrameReport {
   static constexpr const char* kType = "frame_report/1";
-  std::string json;    ///< [n] one object, as its line in frames.jsonl but for what sinks add
-  Others others = {};  ///< what else the record has
+  std::string json;  ///< [n] one JSON object, the line of frames.jsonl without the entries of sinks
+  Others others = {};  ///< further arrays of the record
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -17,13 +17,12 @@ struct FrameReport {
   }
 };
 
-/// The stages of a run, with what each of their parameters may be and now is.
+/// The stages of a run with the legal and the current values of their parameters.
 struct RunSettings {
   static constexpr const char* kType = "run_settings/1";
-  std::string json;  ///< [n] one object, see docs/pipelines.md
-  std::uint64_t revision =
-      0;               ///< [] another one when a parameter has changed; filled in by the host
-  Others others = {};  ///< what else the record has
+  std::string json;            ///< [n] one JSON object, see docs/pipelines.md
+  std::uint64_t revision = 0;  ///< [] changes with every parameter change; set by the host
+  Others others = {};          ///< further arrays of the record
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

@@ -5,7 +5,7 @@
 
 namespace weft {
 
-/// `estimated` and `weak` are said by solvers, `predicted` and `lost` by the host only.
+/// Solvers set `estimated` and `weak`; only the host sets `predicted` and `lost`.
 enum class ShapeState : std::int32_t { none = 0, estimated = 1, weak = 2, predicted = 3, lost = 4 };
 
 inline const char* to_string(ShapeState state) {
@@ -14,17 +14,17 @@ inline const char* to_string(ShapeState state) {
   return index >= 0 && index <= 4 ? kNames[index] : "invalid";
 }
 
-/// The template's mesh as the camera sees it.
+/// The template's mesh in the camera frame.
 struct Shape {
   static constexpr const char* kType = "shape/1";
   Array<double> vertices_m;     ///< [V,3] m, camera frame
   std::int32_t state = 1;       ///< [] ShapeState
-  std::int64_t age_frames = 0;  ///< [] frames since it was measured
+  std::int64_t age_frames = 0;  ///< [] frames since the last measurement
   double confidence = 1.0;      ///< [] 0 to 1, see the catalogue
   Array<std::uint8_t> source;   ///< [V] 1 measured, 0 filled in by the prior
   Array<double> covariance_m2;  ///< [V,3,3] m^2, camera frame
   Diagnostics diag;
-  Others others = {};  ///< what else the record has
+  Others others = {};  ///< further arrays of the record
 
   ShapeState shape_state() const { return static_cast<ShapeState>(state); }
 

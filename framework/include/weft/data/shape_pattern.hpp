@@ -8,12 +8,12 @@
 
 namespace weft {
 
-/// Compares shapes of arrays with the patterns of the catalogue: "" is a scalar, a number is a
-/// length, a letter is one length throughout a record, "*" any length, a last "?" an optional axis
-/// of three (colour).
+/// Compares shapes of arrays with the patterns of the catalogue. "" is a scalar, a number is a
+/// length, a letter is one length per record, "*" is any length. A last "?" is an optional axis of
+/// length three (colour).
 class ShapePattern {
  public:
-  /// Empty when it fits, else what is wrong, in words.
+  /// Returns an empty text if the shape matches, else a description of the error.
   std::string match(std::string_view pattern, const weft_array& array) {
     const std::string_view whole = pattern;
     int axis = 0;
@@ -42,8 +42,7 @@ class ShapePattern {
     return check_layout(array);
   }
 
-  /// Empty when the array can be read where it lies by who may read there, else what is wrong, in
-  /// words.
+  /// Returns an empty text if the array can be read in place, else a description of the error.
   static std::string check_layout(const weft_array& array) {
     if (array.ndim < 0 || array.ndim > WEFT_MAX_DIMENSIONS) return "has too many axes";
     const std::int64_t element = dtype_size(array.dtype);
@@ -71,7 +70,7 @@ class ShapePattern {
     return known == length;
   }
 
-  /// "2", or "N = 5" once the record has said what N is.
+  /// Returns "2", or "N = 5" once the value of N is known for the record.
   std::string expected(std::string_view symbol) const {
     const std::int64_t known = lengths_[index_of(symbol.front())];
     const bool letter = symbol.front() < '0' || symbol.front() > '9';

@@ -5,18 +5,18 @@
 
 namespace weft {
 
-/// Rays on which points of the template's surface are seen.
+/// Rays on which points of the template's surface are visible.
 struct Sightlines {
   static constexpr const char* kType = "sightlines/1";
-  Array<std::int32_t> vertex;  ///< [M] vertex, -1 for a point inside a face
-  Array<std::int32_t> face;    ///< [M] face that holds the point
+  Array<std::int32_t> vertex;  ///< [M] vertex index, -1 for a point inside a face
+  Array<std::int32_t> face;    ///< [M] index of the face that contains the point
   Array<double> barycentrics;  ///< [M,3] weights in that face, sum 1
-  Array<double> pixel_px;      ///< [M,2] px, where it is seen
-  Array<double> ray;           ///< [M,3] unit, camera frame
-  Array<double> weight;        ///< [M] trust, 1 is usual
-  double coverage = 0.0;       ///< [] share of the template's area that matches cover, 0 to 1
+  Array<double> pixel_px;      ///< [M,2] px, image position
+  Array<double> ray;           ///< [M,3] unit vector, camera frame
+  Array<double> weight;        ///< [M] weight in a fit; 1 is usual
+  double coverage = 0.0;       ///< [] share of the template's area covered by matches, 0 to 1
   Diagnostics diag;
-  Others others = {};  ///< what else the record has
+  Others others = {};  ///< further arrays of the record
 
   std::int64_t count() const { return vertex.rows(); }
 

@@ -5,23 +5,23 @@
 
 namespace weft {
 
-/// Why a vertex is taken to be seen or not.
+/// Reason why a vertex is classified as visible or not.
 enum class SightReason : std::uint8_t {
   seen = 0,
-  outside = 1,      ///< beyond the image, or behind the camera
-  faces_away = 2,   ///< all faces around it show their back
-  hidden = 3,       ///< something stands before it
-  unconfirmed = 4,  ///< it should be seen, but nothing around it was recognised in the image
+  outside = 1,      ///< outside the image or behind the camera
+  faces_away = 2,   ///< all faces around the vertex show their back
+  hidden = 3,       ///< an occluder hides the vertex
+  unconfirmed = 4,  ///< expected visible, but nothing around it was found in the image
 };
 
-/// Which vertices the camera sees.
+/// Visible and hidden vertices.
 struct Visibility {
   static constexpr const char* kType = "visibility/1";
   Array<std::uint8_t> visible;  ///< [V] 0 or 1
-  Array<double> score;          ///< [V] 0 hidden to 1 seen
+  Array<double> score;          ///< [V] 0 hidden to 1 visible
   Array<std::uint8_t> reason;   ///< [V] SightReason
   Diagnostics diag;
-  Others others = {};  ///< what else the record has
+  Others others = {};  ///< further arrays of the record
 
   SightReason why(std::int64_t vertex) const { return static_cast<SightReason>(reason(vertex)); }
 
@@ -35,16 +35,16 @@ struct Visibility {
   }
 };
 
-/// How far patches of the template's texture are from their places in the unwarped image, which is
-/// the image seen through the recovered mesh.
+/// Displacements of texture patches in the unwarped image, which is the image seen through the
+/// recovered mesh.
 struct Registration {
   static constexpr const char* kType = "registration/1";
   Array<double> place_px;         ///< [N,2] px of the texture, centre of each patch
-  Array<double> displacement_mm;  ///< [N,2] mm along u and v of the texture, NaN where not found
+  Array<double> displacement_mm;  ///< [N,2] mm along u and v of the texture; NaN if not found
   Array<double> correlation;      ///< [N] highest normalised cross-correlation, -1 to 1
   Array<std::uint8_t> found;      ///< [N] 1 where the correlation reaches the threshold
   Diagnostics diag;
-  Others others = {};  ///< what else the record has
+  Others others = {};  ///< further arrays of the record
 
   std::int64_t count() const { return found.rows(); }
 

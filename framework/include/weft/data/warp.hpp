@@ -10,10 +10,10 @@ struct Warp {
   static constexpr const char* kType = "warp/1";
   std::string producer;             ///< [n] id of the component that can evaluate it
   Array<double> domain_px;          ///< [4] u0 u1 v0 v1, px of the texture
-  NamedArrays model{"model.", {}};  ///< the producer's own
+  NamedArrays model{"model.", {}};  ///< model parameters, private to the producer
   Diagnostics diag;
-  std::uint64_t producer_handle = 0;  ///< filled in by the host
-  Others others = {};                 ///< what else the record has
+  std::uint64_t producer_handle = 0;  ///< handle of the producer; set by the host
+  Others others = {};                 ///< further arrays of the record
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -24,12 +24,12 @@ struct Warp {
   }
 };
 
-/// Where a warp is evaluated.
+/// Points at which a warp is evaluated.
 struct Points {
   static constexpr const char* kType = "points/1";
   Array<double> xy_px;     ///< [M,2] px of the texture
-  std::int64_t order = 0;  ///< [] highest derivative wanted, 0 to 2
-  Others others = {};      ///< what else the record has
+  std::int64_t order = 0;  ///< [] highest requested derivative, 0 to 2
+  Others others = {};      ///< further arrays of the record
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -44,8 +44,8 @@ struct WarpSamples {
   Array<double> xy_px;        ///< [M,2] px of the image
   Array<double> jacobian;     ///< [M,2,2] d(x,y)/d(u,v), px per px
   Array<double> hessian;      ///< [M,2,3] d2/duu d2/duv d2/dvv of x and of y, 1/px
-  Array<std::uint8_t> valid;  ///< [M] 0 where the warp had to extrapolate or is not finite
-  Others others = {};         ///< what else the record has
+  Array<std::uint8_t> valid;  ///< [M] 0 where the warp was extrapolated or is not finite
+  Others others = {};         ///< further arrays of the record
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

@@ -14,57 +14,57 @@
 
 namespace weft {
 
-/// What a program may say of a pipeline beside its file.
+/// Options of a pipeline beyond its file.
 struct PipelineOptions {
-  /// Laid over the file, as by `weft run --set`: "filters.alpha_s=0.2".
+  /// Overrides of values in the file, as in `weft run --set`: "filters.alpha_s=0.2".
   std::vector<std::string> settings{};
-  /// Folders of plugins, searched before WEFT_PLUGIN_PATH and before ../lib/weft/plugins of the
-  /// running program.
+  /// Plugin folders, searched before WEFT_PLUGIN_PATH and before ../lib/weft/plugins of the running
+  /// program.
   std::vector<std::string> plugin_path{};
-  /// The program weft-worker, for stages with `isolate: process`; empty: beside the running one.
+  /// Path of the program weft-worker, for stages with `isolate: process`; empty: next to the
+  /// running program.
   std::string worker{};
 };
 
-/// What came of one image.
+/// Result of one image.
 struct ProcessedFrame {
   struct Stage {
-    std::string name;    ///< its `as`, else its role
+    std::string name;    ///< value of `as`, else the role
     std::string status;  ///< "ok", "degenerate", "no_result", "error" or "skipped"
-    std::string reason;  ///< of anything but ok, in words
-    double ms = 0.0;     ///< [] ms that it took
+    std::string reason;  ///< reason of a status other than ok
+    double ms = 0.0;     ///< [] ms, wall-clock time
   };
 
-  std::uint64_t frame = 0;  ///< [] number of the image, from 0
-  /// The latest shape, in memory of its own: `predicted` or `lost` where this image gave none.
-  /// Nothing before the first one.
+  std::uint64_t frame = 0;  ///< index of the image, from 0
+  /// The latest shape, with its own memory. Its state is `predicted` or `lost` if this image gave
+  /// none. Empty before the first shape.
   std::optional<Shape> shape;
-  bool failed = false;                ///< a stage had an error, which its reason tells
-  std::vector<Stage> stages;          ///< in the order of the file
-  std::vector<std::string> warnings;  ///< "STAGE: text", what components said of this image, or
-                                      ///< when they were made, and "setup: text" of a set-up that
-                                      ///< turns out to be wrong
-  std::string report;                 ///< one JSON object: its line in frames.jsonl
+  bool failed = false;        ///< true if a stage failed; its reason describes the error
+  std::vector<Stage> stages;  ///< stages in the order of the file
+  std::vector<std::string>
+      warnings;  ///< "STAGE: text" of components for this image or from their creation, and "setup:
+                 ///< text" for a contradictory camera or template
+  std::string report;  ///< one JSON object, the line of frames.jsonl
 
   ShapeState state() const { return shape ? shape->shape_state() : ShapeState::none; }
-  /// 0 to 1, see Shape; 0 without a shape.
+  /// Confidence of the shape, 0 to 1; 0 without a shape.
   double confidence() const { return shape ? shape->confidence : 0.0; }
 };
 
-/// A pipeline in a program of one's own: images go in, shapes come out, no files are written. What
-/// its file says of `source` and `sinks` is not looked at, and `on_error`, `max_failed`,
-/// `frames_at_once` and `realtime` change nothing: the program reads, writes and decides. The same
-/// images in the same order give the same shapes, bit for bit, as `weft run` of that file.
+/// A pipeline embedded in another program: images in, shapes out, no files written. The keys
+/// `source` and `sinks` of the file are ignored. `on_error`, `max_failed`, `frames_at_once` and
+/// `realtime` have no effect. The same images in the same order give bitwise the same shapes as
+/// `weft run` of the file.
 ///
-/// [one thread at a time] for each Pipeline, which may be another one each time; [any threads at
-/// once] for different Pipelines. Work is done by the thread that calls and by those that stages
-/// start; the key `threads` says how many these may be.
+/// Each Pipeline may be used by one thread at a time, which may change. Different Pipelines may be
+/// used by different threads at the same time. The calling thread and threads started by stages do
+/// the work; the key `threads` limits their number.
 class Pipeline {
  public:
-  /// Reads and checks the file, builds the template and prepares all stages, of which detectors
-  /// look at the texture: seconds, not milliseconds. `camera` takes the images, undistorted. Of a
-  /// wrong file the Error has the place of the first mistake, its sentence, and a line
-  /// "place: sentence" for each further one. After a fork() only a process whose parent has loaded
-  /// no pipeline can load one.
+  /// Reads and checks the file, builds the template and prepares all stages, which takes seconds.
+  /// `camera` is the camera of the undistorted images. For an invalid file, the Error has the place
+  /// and message of the first error. A line "place: message" follows for each further one. After
+  /// fork(), a child can load a pipeline only if its parent has loaded none.
   static Result<Pipeline> load(const std::string& file, const Camera& camera,
                                const PipelineOptions& options = {});
 
@@ -72,14 +72,14 @@ class Pipeline {
   Pipeline& operator=(Pipeline&& other) noexcept;
   ~Pipeline();
 
-  /// The mesh at rest, whose faces are those of every shape; valid as long as the pipeline.
+  /// The mesh at rest, whose faces apply to every shape. Valid for the lifetime of the pipeline.
   const Template& templ() const;
 
   /// Runs all stages on an undistorted image of the camera's size, [H,W] grey levels or [H,W,3]
-  /// BGR, taken `t_s` seconds after the first one. The image is copied. That a stage finds nothing
-  /// or fails is a result; an Error means that nothing was done: the image cannot be one of the
-  /// camera, `t_s` is before that of the last image (the same time is legal), or this process was
-  /// forked from the one that loaded the pipeline.
+  /// BGR. `t_s` is the time in seconds since the first image. The image is copied. A stage without
+  /// a result or with an error is part of the result. An Error means that nothing was processed:
+  /// the image does not fit the camera, `t_s` is before the last image's time (equal is legal), or
+  /// the process was forked after load().
   Result<ProcessedFrame> process(const Image& image, double t_s);
 
  private:

@@ -15,18 +15,18 @@ namespace weft {
 
 /// One part of a curvature profile: amplitude * sin(2 pi s / period + phase).
 struct CurvatureWave {
-  double amplitude_per_m = 0.0;  ///< [] 1/m
-  double period_m = 1.0;         ///< [] m, > 0
-  double phase_rad = 0.0;        ///< [] rad
+  double amplitude_per_m = 0.0;  ///< [] 1/m, amplitude of the curvature
+  double period_m = 1.0;         ///< [] m, wavelength, > 0
+  double phase_rad = 0.0;        ///< [] rad, phase at the centre
 };
 
-/// How a flat sheet is bent around parallel straight rulings. The curvature varies along
-/// (cos a, sin a) in the sheet, the rulings run along (-sin a, cos a), a = ruling_angle_rad. Where
-/// it is positive the sheet turns its hollow to +z, away from a camera in front of it.
+/// Bend of a flat sheet around parallel straight rulings. The curvature varies along (cos a, sin a)
+/// in the sheet; the rulings run along (-sin a, cos a), with a = ruling_angle_rad. Positive
+/// curvature turns the hollow side to +z, away from a camera in front of the sheet.
 struct SheetBend {
-  double ruling_angle_rad = 0.0;       ///< [] rad
-  double constant_per_m = 0.0;         ///< [] 1/m, the reciprocal of a cylinder's radius
-  std::vector<CurvatureWave> waves{};  ///< [.] added to the constant
+  double ruling_angle_rad = 0.0;       ///< [] rad, angle a of the curvature's direction
+  double constant_per_m = 0.0;         ///< [] 1/m, reciprocal of a cylinder's radius
+  std::vector<CurvatureWave> waves{};  ///< [.] waves added to the constant
 
   /// Curvature at s m from the centre, in 1/m.
   double curvature_per_m(double s_m) const {
@@ -37,7 +37,7 @@ struct SheetBend {
     return sum;
   }
 
-  /// Angle by which the sheet has turned since the centre: the integral of the curvature, in rad.
+  /// Angle by which the sheet has turned since the centre, in rad: the integral of the curvature.
   double turn_rad(double s_m) const {
     double sum = constant_per_m * s_m;
     for (const CurvatureWave& w : waves) {
@@ -49,17 +49,17 @@ struct SheetBend {
   }
 };
 
-/// An isometric deformation of a flat sheet with exact truth: a generalised cylinder followed by a
-/// rigid motion. With s and t the coordinates of (x,y) - centre across and along the rulings, the
-/// point is camera_from_template * (centre + c(s) + t * ruling), where the plane curve c has unit
-/// speed and the given curvature; the centre stays where it is and keeps its tangent plane.
-/// c is tabulated with Gauss-Legendre quadrature and read by quintic Hermite interpolation: lengths
-/// are exact to better than 1e-9. Nothing keeps a strongly bent sheet from passing through itself.
+/// An isometric deformation of a flat sheet with exact ground truth: a generalised cylinder
+/// followed by a rigid motion. Let s and t be the coordinates of (x,y) - centre across and along
+/// the rulings. The point is camera_from_template * (centre + c(s) + t * ruling). The plane curve c
+/// has unit speed and the given curvature. The centre keeps its position and tangent plane. c is
+/// tabulated with Gauss-Legendre quadrature and read by quintic Hermite interpolation; lengths are
+/// exact to better than 1e-9. A strongly bent sheet may intersect itself.
 class DevelopableSheet {
  public:
-  /// Bends the part within `reach_m` of the centre (half of the sheet's diagonal); beyond, the
-  /// sheet continues flat. Fails on numbers that are not finite, reach or period <= 0, and on
-  /// profiles with more than about 10000 radians of turn or of phase over the sheet.
+  /// Bends the part within `reach_m` of the centre (half of the sheet's diagonal); the sheet is
+  /// flat beyond. Fails on non-finite numbers, on reach or period <= 0, and on profiles with more
+  /// than about 10000 rad of turn or phase over the sheet.
   static Result<DevelopableSheet> create(const Eigen::Vector2d& centre_m, double reach_m,
                                          SheetBend bend,
                                          const Eigen::Isometry3d& camera_from_template) {
@@ -81,12 +81,12 @@ class DevelopableSheet {
     return sheet;
   }
 
-  /// The point of the sheet at (x,y) m of the template, in the camera frame.
+  /// The point of the sheet at template position (x,y) in m, in the camera frame, m.
   Eigen::Vector3d at(double x_m, double y_m) const {
     return camera_from_template_ * bent(x_m, y_m);
   }
 
-  /// The same in the template's frame.
+  /// The same point in the template frame, m.
   Eigen::Vector3d bent(double x_m, double y_m) const {
     const Eigen::Vector2d offset = Eigen::Vector2d(x_m, y_m) - centre_m_;
     const double along = ruling_.dot(offset);
@@ -95,8 +95,7 @@ class DevelopableSheet {
     return {in_plane.x(), in_plane.y(), curve.y()};
   }
 
-  /// Unit normal in the camera frame; it is (0,0,-1), towards the camera, for an unmoved flat
-  /// sheet.
+  /// The unit normal in the camera frame; (0,0,-1), towards the camera, for an unmoved flat sheet.
   Eigen::Vector3d normal(double x_m, double y_m) const {
     const double s = across_.dot(Eigen::Vector2d(x_m, y_m) - centre_m_);
     const double turn = bend_.turn_rad(std::clamp(s, -reach_m_, reach_m_));
@@ -113,7 +112,7 @@ class DevelopableSheet {
 
   /// The curve and its first two derivatives at one s.
   struct Node {
-    Eigen::Vector2d position, tangent, second;
+    Eigen::Vector2d position, tangent, second;  ///< [2] m, [2] unit vector, [2] 1/m
   };
 
   DevelopableSheet(const Eigen::Vector2d& centre_m, SheetBend bend,
@@ -129,7 +128,7 @@ class DevelopableSheet {
     return {std::cos(turn), std::sin(turn)};
   }
 
-  /// `half` intervals on each side of the centre, which is a node.
+  /// Tabulates `half` intervals on each side of the centre, which is a node.
   void tabulate(double reach_m, int half) {
     reach_m_ = reach_m;
     step_m_ = reach_m / half;

@@ -19,37 +19,38 @@ namespace weft {
 
 /// A square fiducial marker; x right and y down from the top left corner of the sheet.
 struct SheetMarker {
-  int id = 0;            ///< [] in the dictionary
-  Points2 corners_mm{};  ///< [4,2] mm, clockwise as seen, from the marker's own top left corner
+  int id = 0;            ///< [] index in the dictionary
+  Points2 corners_mm{};  ///< [4,2] mm, clockwise in the image, from the marker's top left corner
 
   Eigen::Vector2d centre_mm() const { return corners_mm.colwise().mean(); }
 };
 
 /// A flat sheet with fiducial markers.
 struct MarkerSheet {
-  double width_mm = 0.0;
-  double height_mm = 0.0;
-  std::string dictionary;  ///< "5x5_250" or "4x4_250", of OpenCV's ArUco module
-  std::vector<SheetMarker> markers{};
+  double width_mm = 0.0;               ///< [] mm, width of the paper
+  double height_mm = 0.0;              ///< [] mm, height of the paper
+  std::string dictionary;              ///< "5x5_250" or "4x4_250", of OpenCV's ArUco module
+  std::vector<SheetMarker> markers{};  ///< [.] markers in the order of their indices
 };
 
-/// How markers are laid out; the defaults are a sheet of A4 paper.
+/// Layout of markers; the defaults describe a sheet of A4 paper.
 struct MarkerSheetSpec {
-  static constexpr int kCaption_mm = 8;  ///< the lowest part of the sheet, left for a line of text
+  static constexpr int kCaption_mm =
+      8;  ///< height of the lowest strip, reserved for a line of text
 
-  int width_mm = 297;
-  int height_mm = 210;
-  int count = 100;     ///< [] markers
-  int marker_mm = 14;  ///< side of a marker
-  int gap_mm = 3;      ///< white between two markers, at least, in x or in y
-  int margin_mm = 5;   ///< white along the edges, at least
-  std::int64_t seed = 1;
-  std::string dictionary = "5x5_250";
+  int width_mm = 297;                  ///< width of the paper
+  int height_mm = 210;                 ///< height of the paper
+  int count = 100;                     ///< [] number of markers
+  int marker_mm = 14;                  ///< side of a marker
+  int gap_mm = 3;                      ///< minimum white gap between two markers, in x or in y
+  int margin_mm = 5;                   ///< minimum white margin along the edges
+  std::int64_t seed = 1;               ///< [] seed of the positions
+  std::string dictionary = "5x5_250";  ///< as in MarkerSheet
 };
 
 namespace detail {
 
-/// One attempt: each marker takes the farthest from the others among a few free places.
+/// Makes one attempt: each marker takes the free candidate farthest from the other markers.
 inline std::vector<std::pair<int, int>> place_markers(const MarkerSheetSpec& spec, Rng& rng) {
   constexpr int kMostFailures = 2000, kCandidates = 5;
   const int across = spec.width_mm - 2 * spec.margin_mm - spec.marker_mm + 1;
@@ -85,8 +86,9 @@ inline std::vector<std::pair<int, int>> place_markers(const MarkerSheetSpec& spe
 
 }  // namespace detail
 
-/// Markers 0 to count - 1 at random places in whole millimetres, upright, by best-candidate
-/// sampling. The same spec gives the same sheet everywhere. Fails where they do not fit.
+/// Places markers 0 to count - 1 at random positions in whole millimetres, upright, by
+/// best-candidate sampling. The same spec gives the same sheet on every platform. Fails if the
+/// markers do not fit.
 inline Result<MarkerSheet> lay_out_markers(const MarkerSheetSpec& spec) {
   constexpr int kAttempts = 20;
   Rng rng(static_cast<std::uint64_t>(spec.seed));
@@ -110,7 +112,7 @@ inline Result<MarkerSheet> lay_out_markers(const MarkerSheetSpec& spec) {
                    std::to_string(spec.height_mm) + " mm: take fewer, smaller or closer ones"};
 }
 
-/// The sheet as text in YAML, which sources read. Numbers are whole or have up to 3 decimals.
+/// Encodes the sheet as YAML for sources. Numbers are integers or have up to 3 decimals.
 inline std::string to_yaml(const MarkerSheet& sheet) {
   const auto number = [](double value) {
     std::string text = std::to_string(std::round(value * 1000.0) / 1000.0);

@@ -19,34 +19,36 @@
 
 namespace weft {
 
-/// The random deformations of the synthetic experiments of Shetab-Bushehri et al. 2023, Section V:
-/// two cells of a sheet that is fronto-parallel at first, in the middle row of the left and of the
-/// right border, get a random rigid motion each; position based dynamics (Mueller et al. 2007)
-/// carries the rest along. The ranges, which the paper leaves out, are ours.
+/// The random deformations of the synthetic experiments of Shetab-Bushehri et al. 2023, Section V.
+/// Two cells of a fronto-parallel sheet, in the middle row at the left and the right border, each
+/// get a random rigid motion. Position-based dynamics (Mueller et al. 2007) moves the other
+/// vertices. The paper does not give the ranges; these are our own.
 struct RandomDeformationSpec {
-  double distance_m = 0.65;               ///< [] m, of the sheet at first
-  Eigen::Vector3d turn_rad{0.7, 1, 0.5};  ///< [3] rad, uniform in +- this about x, y and z
-  double approach_m = 0.06;               ///< [] m, towards each other, uniform from 0
-  double shift_y_m = 0.03;                ///< [] m, uniform in +- this
-  double shift_z_m = 0.08;                ///< [] m, uniform in +- this
-  int sweeps = 600;                       ///< [] of all edges, then of all bending pairs
-  double bend_stiffness = 0.3;            ///< [] 0 to 1; that of the edges is 1
-  double max_strain = 0.08;               ///< [] of an edge, |l / l0 - 1|
-  int max_draws = 10000;
+  double distance_m = 0.65;               ///< [] m, initial distance of the sheet
+  Eigen::Vector3d turn_rad{0.7, 1, 0.5};  ///< [3] rad, uniform in +- this value about x, y and z
+  double approach_m = 0.06;               ///< [] m, motion towards each other, uniform from 0
+  double shift_y_m = 0.03;                ///< [] m, uniform in +- this value
+  double shift_z_m = 0.08;                ///< [] m, uniform in +- this value
+  int sweeps = 600;                       ///< [] sweeps over all edges, then over all bending pairs
+  double bend_stiffness = 0.3;            ///< [] 0 to 1; the stiffness of the edges is 1
+  double max_strain = 0.08;               ///< [] limit of the edge strain |l / l0 - 1|
+  int max_draws = 10000;                  ///< [] maximum number of draws per shape
 };
 
-/// One draw, to be used when it is accepted and else to be drawn again.
+/// One draw; draw again if it is not accepted.
 struct RandomDeformation {
   Points3 vertices_m;       ///< [V,3] m, camera frame
-  double max_strain = 0.0;  ///< [] of an edge
-  bool accepted = false;    ///< no edge is strained too much, and the sheet is in the image
+  double max_strain = 0.0;  ///< [] largest edge strain |l / l0 - 1|
+  bool accepted =
+      false;  ///< true if no edge exceeds the strain limit and the sheet is in the image
 };
 
 /// Draws deformations of one sheet.
 class SheetDeformer {
  public:
-  /// A flat sheet [columns * rows,3] m on the faces of rectangular_grid_faces(), row by row. Fails
-  /// on a grid below 4 x 2, where the two cells would share vertices, and on edges without length.
+  /// Makes a deformer of a flat sheet [columns * rows,3] m with the faces of
+  /// rectangular_grid_faces(), row by row. Fails on a grid below 4 x 2, where the two cells would
+  /// share vertices, and on edges of length 0.
   static Result<SheetDeformer> create(int columns, int rows, const Points3View& rest_m,
                                       const RandomDeformationSpec& spec) {
     const auto faces = rectangular_grid_faces(columns, rows);
@@ -70,7 +72,7 @@ class SheetDeformer {
     return deformer;
   }
 
-  /// A draw that is stopped before its end is not accepted.
+  /// Draws a deformation. A cancelled draw is not accepted.
   RandomDeformation draw(const Camera& camera, Rng& rng,
                          const std::function<bool()>& stopped = {}) const {
     RandomDeformation drawn{start_m_};
@@ -106,7 +108,7 @@ class SheetDeformer {
     }
   }
 
-  /// Draws a rigid motion about the middle of a cell and applies it to the cell's vertices.
+  /// Draws a rigid motion about the centre of a cell and applies it to the cell's vertices.
   void move_cell(const Cell& cell, double inwards, Rng& rng, Points3& vertices_m) const {
     Eigen::Vector3d turn, shift;
     for (int k = 0; k < 3; ++k) turn[k] = rng.uniform(-spec_.turn_rad[k], spec_.turn_rad[k]);
@@ -125,7 +127,7 @@ class SheetDeformer {
     }
   }
 
-  /// One Gauss-Seidel sweep; vertices with mobility 0 stay.
+  /// Makes one Gauss-Seidel sweep; vertices with mobility 0 do not move.
   void relax(const std::vector<DistanceConstraint>& constraints, double stiffness,
              Points3& vertices_m) const {
     for (const DistanceConstraint& c : constraints) {

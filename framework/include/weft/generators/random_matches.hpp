@@ -14,17 +14,17 @@
 
 namespace weft {
 
-/// How matches are drawn, as in Shetab-Bushehri et al. 2023, Section V.
+/// Settings for drawn matches, as in Shetab-Bushehri et al. 2023, Section V.
 struct RandomMatchesSpec {
-  int count = 1000;
-  double correct_rate = 1.0;  ///< [] the first round((1 - rate) * count) are mismatches
-  double noise_px = 0.0;      ///< [] px, sigma along u and v, of the others
+  int count = 1000;           ///< [] number of matches
+  double correct_rate = 1.0;  ///< [] the first round((1 - rate) * count) matches are outliers
+  double noise_px = 0.0;      ///< [] px, standard deviation of inliers along u and v
 };
 
-/// Matches with where they belong. A mismatch may lie near its true image by chance.
+/// Matches with their true images. An outlier may lie near its true image by chance.
 struct RandomMatches {
-  Correspondences matches;  ///< with face and barycentrics, all kept; no ratio and no distance
-  Points2 true_px;          ///< [N,2] px
+  Correspondences matches;  ///< matches with face and barycentrics, all kept; no ratio or distance
+  Points2 true_px;          ///< [N,2] px, true image of each match
 };
 
 namespace detail {
@@ -42,8 +42,8 @@ inline Correspondences empty_matches(std::int64_t count) {
 
 }  // namespace detail
 
-/// Template points uniform over the mesh [V,2] px that `locator` knows; the true image of each is
-/// the projection of `true_place(point_px, location)`, [3] m in the camera frame; mismatches are
+/// Draws template points uniformly over the mesh [V,2] px of `locator`. The true image of each is
+/// the projection of `true_place(point_px, location)`, [3] m in the camera frame. Outliers are
 /// uniform over the image.
 template <class TruePlace>
 RandomMatches draw_random_matches(const Points2View& flat_px, const FaceLocator& locator,

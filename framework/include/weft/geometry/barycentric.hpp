@@ -9,8 +9,8 @@
 
 namespace weft {
 
-/// Weights w with sum 1 and p = w0 a + w1 b + w2 c, also outside the triangle, where some are
-/// negative. NaN for a triangle without area (twice the area <= 1e-12 of its longest side squared).
+/// Weights w with sum 1 and p = w0 a + w1 b + w2 c; some are negative outside the triangle. NaN for
+/// a degenerate triangle (twice the area <= 1e-12 of its longest side squared).
 inline Eigen::Vector3d barycentric_weights(const Eigen::Vector2d& p, const Eigen::Vector2d& a,
                                            const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
   const Eigen::Vector2d ab = b - a, ac = c - a, ap = p - a;
@@ -38,7 +38,7 @@ Eigen::Matrix<double, Derived::ColsAtCompileTime, 1> interpolate(
       .transpose();
 }
 
-/// Squared distance of p to the segment from a to b.
+/// Squared distance of p from the segment from a to b.
 inline double segment_distance2(const Eigen::Vector2d& p, const Eigen::Vector2d& a,
                                 const Eigen::Vector2d& b) {
   const Eigen::Vector2d ab = b - a;

@@ -12,10 +12,10 @@ namespace weft {
 
 /// The rectangle and the control grid of a uniform bicubic B-spline.
 struct SplineDomain {
-  double u0 = 0.0;      ///< [] px of the texture
-  double u1 = 1.0;      ///< [] px of the texture, > u0
-  double v0 = 0.0;      ///< [] px of the texture
-  double v1 = 1.0;      ///< [] px of the texture, > v0
+  double u0 = 0.0;      ///< [] px of the texture, left end
+  double u1 = 1.0;      ///< [] px of the texture, right end, > u0
+  double v0 = 0.0;      ///< [] px of the texture, upper end
+  double v1 = 1.0;      ///< [] px of the texture, lower end, > v0
   std::int32_t nu = 4;  ///< [] control points along u, >= 4
   std::int32_t nv = 4;  ///< [] control points along v, >= 4
 
@@ -24,11 +24,11 @@ struct SplineDomain {
   double sv() const { return (v1 - v0) / (nv - 3); }
 
   Eigen::Index control_count() const { return Eigen::Index{nu} * nv; }
-  /// v is fastest.
+  /// Index of a control point; v varies fastest.
   Eigen::Index control_index(Eigen::Index i, Eigen::Index j) const { return i * nv + j; }
 };
 
-/// Whether the rectangle has an extent and the control grid at least 4 x 4 points.
+/// Fails unless the rectangle has an extent and the control grid has at least 4 x 4 points.
 inline Result<void> check_domain(const SplineDomain& domain) {
   if (domain.nu < 4 || domain.nv < 4) {
     return Error{Errc::invalid_value, "a bicubic spline needs at least 4 x 4 control points"};
@@ -40,8 +40,8 @@ inline Result<void> check_domain(const SplineDomain& domain) {
   return {};
 }
 
-/// The control points that make the spline the identity map (Greville abscissae), [nu*nv,2] px. The
-/// control points of any affine map are the images of these.
+/// The control points of the identity map (Greville abscissae), [nu*nv,2] px. An affine map of
+/// these points gives the control points of that map.
 inline Points2 greville_points(const SplineDomain& domain) {
   Points2 points(domain.control_count(), 2);
   for (Eigen::Index i = 0; i < domain.nu; ++i) {
@@ -72,11 +72,13 @@ inline std::array<double, 4> cubic_basis(double t, int order = 0) {
 /// A coordinate relative to the knots.
 struct KnotInterval {
   std::int32_t index = 0;  ///< [] first of the four control points, in [0, n-4]
-  double t = 0.0;          ///< [] in [0,1]; 1 only at the end of the domain; NaN for NaN
-  double offset = 0.0;     ///< [] px from the border of the domain, 0 inside
+  double t =
+      0.0;  ///< [] position in the interval, 0 to 1; 1 only at the end of the domain; NaN for NaN
+  double offset = 0.0;  ///< [] px, offset from the border of the domain; 0 inside
 };
 
-/// The interval of x in a domain [low, high] with n control points; outside, that of the border.
+/// The interval of x in a domain [low, high] with n control points; the border interval outside the
+/// domain.
 inline KnotInterval find_interval(double x, double low, double high, std::int32_t n) {
   const double clamped = x < low ? low : x > high ? high : x;
   const double a = (clamped - low) / ((high - low) / (n - 3));

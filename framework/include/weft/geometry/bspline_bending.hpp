@@ -21,7 +21,7 @@ inline Eigen::Matrix4d spline_gram(int order) {
   for (std::size_t node = 0; node < 4; ++node) {
     const std::array<double, 4> values = cubic_basis(0.5 * (1.0 + kNodes[node]), order);
     const Eigen::Map<const Eigen::Vector4d> b(values.data());
-    const Eigen::Matrix4d product = b * b.transpose();  // bit for bit symmetric
+    const Eigen::Matrix4d product = b * b.transpose();  // bitwise symmetric
     gram += 0.5 * kWeights[node] * product;
   }
   return gram;
@@ -41,9 +41,9 @@ inline Eigen::Matrix<double, 16, 16> cell_bending(double su, double sv) {
   return cell;
 }
 
-/// B with C^T B C = integral over the domain of W_uu^2 + 2 W_uv^2 + W_vv^2 du dv for one output
-/// dimension. [nu*nv, nu*nv], symmetric, both halves stored, positive semidefinite; its null space
-/// is the affine maps. Unit: squared output unit per px^2.
+/// B with C^T B C = integral over the domain of W_uu^2 + 2 W_uv^2 + W_vv^2 du dv, per output
+/// dimension. B is [nu*nv, nu*nv], symmetric with both halves stored, and positive semidefinite.
+/// Its null space contains the affine maps. Unit: squared output unit per px^2.
 inline Eigen::SparseMatrix<double> bending_matrix(const SplineDomain& domain) {
   const Eigen::Matrix<double, 16, 16> cell = cell_bending(domain.su(), domain.sv());
   std::vector<Eigen::Triplet<double>> triplets;

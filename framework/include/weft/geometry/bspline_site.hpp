@@ -11,14 +11,14 @@
 
 namespace weft {
 
-/// The spline, or one of its derivatives, at one place: a weighted sum of 16 control points.
+/// The spline or one of its derivatives at one point: a weighted sum of 16 control points.
 struct SplineSite {
-  std::int32_t i = 0;                ///< [] first control point along u
-  std::int32_t j = 0;                ///< [] first control point along v
-  double t = 0.0;                    ///< [] place in the knot interval along u, 0 to 1
-  double s = 0.0;                    ///< [] place in the knot interval along v, 0 to 1
-  std::array<double, 16> weights{};  ///< [16] of control point (i + k, j + l) at 4 * k + l
-  bool inside = false;               ///< [] false where extrapolated or not finite
+  std::int32_t i = 0;                ///< [] index of the first control point along u
+  std::int32_t j = 0;                ///< [] index of the first control point along v
+  double t = 0.0;                    ///< [] position in the knot interval along u, 0 to 1
+  double s = 0.0;                    ///< [] position in the knot interval along v, 0 to 1
+  std::array<double, 16> weights{};  ///< [16] weight of control point (i + k, j + l) at 4 * k + l
+  bool inside = false;               ///< [] false if extrapolated or not finite
 };
 
 namespace detail {
@@ -48,8 +48,8 @@ inline double offset_derivative(const KnotInterval& at, int order) {
 }  // namespace detail
 
 /// Weights of d^(du+dv) W / du^du dv^dv at (u, v) px, orders 0 to 2 each. Outside the domain W is
-/// continued linearly from the closest point c of the border, W(c) + J(c) ((u,v) - c), and the
-/// derivatives are those of this continuation. The domain must pass check_domain.
+/// continued linearly from the closest border point c, W(c) + J(c) ((u,v) - c). The derivatives are
+/// those of this continuation. The domain must pass check_domain.
 inline SplineSite spline_site(const SplineDomain& domain, double u, double v, int du = 0,
                               int dv = 0) {
   const KnotInterval along_u = find_interval(u, domain.u0, domain.u1, domain.nu);
@@ -58,7 +58,7 @@ inline SplineSite spline_site(const SplineDomain& domain, double u, double v, in
   site.inside = along_u.offset == 0.0 && along_v.offset == 0.0;
   const auto weights_u = detail::axis_weights(along_u, domain.su(), du);
   const auto weights_v = detail::axis_weights(along_v, domain.sv(), dv);
-  // Beyond a corner the product of two linear continuations has a mixed term too much.
+  // Beyond a corner, the product of two linear continuations has an extra mixed term.
   const double mixed = detail::offset_derivative(along_u, du) *
                        detail::offset_derivative(along_v, dv) / (domain.su() * domain.sv());
   const auto slope_u = cubic_basis(along_u.t, 1);
@@ -71,7 +71,7 @@ inline SplineSite spline_site(const SplineDomain& domain, double u, double v, in
   return site;
 }
 
-/// The value at a site for control points [nu*nv,D], a D-vector.
+/// The value at a site for control points [nu*nv,D], as a D-vector.
 template <class Derived>
 Eigen::Matrix<double, Derived::ColsAtCompileTime, 1> evaluate_site(
     const SplineDomain& domain, const SplineSite& site, const Eigen::MatrixBase<Derived>& control) {

@@ -9,16 +9,16 @@
 
 namespace weft {
 
-/// What no camera that took pictures can have.
+/// An impossible value in a camera.
 struct CameraMistake {
-  std::string field;    ///< "fx", "cx", "width": as in camera/1
-  std::string message;  ///< with the legal range
+  std::string field;    ///< name of the field in camera/1: "fx", "cx", "width"
+  std::string message;  ///< message with the legal range
 };
 
-/// The first number of a camera that is illegal, if one is:
+/// The first illegal number of a camera, if there is one. Legal ranges in px:
 ///   width, height   1 to 65535
 ///   fx, fy          0.01 to 1e7, and fx / fy 0.1 to 10
-///   cx, cy          at most one size of the image beyond it: -width to 2 width
+///   cx, cy          at most one image size beyond the image: -width to 2 width
 inline std::optional<CameraMistake> camera_mistake(const Camera& camera) {
   constexpr double kMostPixels = 65535.0, kLeastFocal_px = 0.01, kMostFocal_px = 1e7, kRatio = 10.0;
   const auto outside = [](const char* field, double value, double low, double high,

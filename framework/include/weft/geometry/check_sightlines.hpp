@@ -10,8 +10,9 @@
 
 namespace weft {
 
-/// Checks that sightlines fit a mesh: vertices below `vertex_count`, a face of the mesh where the
-/// vertex is -1, finite unit rays (within 1e-6), finite weights >= 0. Names the first mistake.
+/// Checks that sightlines fit a mesh: vertices below `vertex_count`, a face of the mesh if the
+/// vertex is -1, finite unit rays (within 1e-6), finite weights >= 0. The error describes the first
+/// violation.
 inline Result<void> check_sightlines(const Sightlines& sightlines, Eigen::Index vertex_count,
                                      Eigen::Index face_count) {
   const auto mistake = [](std::int64_t i, const std::string& what) {

@@ -17,13 +17,14 @@ namespace weft {
 
 /// Two vertices and their distance at rest.
 struct DistanceConstraint {
-  std::int32_t i = 0;          ///< [] vertex
-  std::int32_t j = 0;          ///< [] vertex
+  std::int32_t i = 0;          ///< [] index of the first vertex
+  std::int32_t j = 0;          ///< [] index of the second vertex
   double rest_length_m = 0.0;  ///< [] m, > 0
 };
 
-/// One constraint for each pair [E,2] (edges or bending pairs), in their order, with the lengths of
-/// the rest vertices [V,3] m. Fails on a bad index and on a length that is 0 or not finite.
+/// Makes one constraint per pair [E,2] (edges or bending pairs), in their order, with the lengths
+/// at rest from vertices [V,3] m. Fails on an invalid index and on a length that is 0 or not
+/// finite.
 inline Result<std::vector<DistanceConstraint>> distance_constraints(
     const EdgesView& pairs, const Points3View& rest_vertices_m) {
   std::vector<DistanceConstraint> constraints;
@@ -49,14 +50,14 @@ inline Result<std::vector<DistanceConstraint>> distance_constraints(
   return constraints;
 }
 
-/// How far lengths are from rest. All NaN without constraints or with a vertex that is NaN.
+/// Relative length errors. All are NaN without constraints or with a NaN vertex.
 struct StrainStatistics {
   double mean = std::numeric_limits<double>::quiet_NaN();  ///< [] mean |l / l0 - 1|
-  double p95 = std::numeric_limits<double>::quiet_NaN();   ///< [] 95th percentile of it
-  double max = std::numeric_limits<double>::quiet_NaN();   ///< [] largest of it
+  double p95 = std::numeric_limits<double>::quiet_NaN();   ///< [] 95th percentile of |l / l0 - 1|
+  double max = std::numeric_limits<double>::quiet_NaN();   ///< [] largest |l / l0 - 1|
 };
 
-/// |l / l0 - 1| of each constraint on vertices [V,3] m of the mesh the constraints are from.
+/// |l / l0 - 1| of each constraint on vertices [V,3] m of the same mesh.
 inline std::vector<double> strains(std::span<const DistanceConstraint> constraints,
                                    const Points3View& vertices_m) {
   std::vector<double> values;

@@ -16,26 +16,28 @@
 
 namespace weft {
 
-/// What was seen in a frame, and how much of it a shape explains.
+/// Evidence for a shape: measurements in a frame and the part that the shape explains.
 struct ShapeEvidence {
-  int kept = 0;      ///< [] matches that filters left; of sightlines, where no matches are wired
-  int agreeing = 0;  ///< [] of these, seen within 3 px of their place on the shape
-  double coverage = 0.0;  ///< [] 0 to 1, share of what the camera sees that lies near agreeing ones
-  int needed = 0;         ///< [] agreeing ones: 30 matches, 8 sightlines; 0 where neither is wired
+  int kept = 0;           ///< [] matches kept by filters; sightlines if no matches are connected
+  int agreeing = 0;       ///< [] kept measurements within 3 px of the shape
+  double coverage = 0.0;  ///< [] 0 to 1, share of the visible surface near agreeing measurements
+  int needed =
+      0;  ///< [] required agreeing count: 30 matches, 8 sightlines; 0 if neither is connected
 };
 
-/// Gathers the evidence for one shape. Coverage is counted in square cells of the texture, twelve
-/// along the diagonal of the template, so that it does not depend on the mesh: of those with a
-/// corner or centre of a face that shows its front to the camera within the image, the share with
-/// an agreeing match. Vertices are any [V,3] that has (i, j): an array, a matrix. Without Eigen, as
-/// all solvers read this, those too that have no use for it.
+/// Gathers the evidence for one shape. Coverage is counted in square texture cells, twelve along
+/// the template's diagonal, independent of the mesh. A cell counts if a corner or the centre of a
+/// front face in the image lies in it. Coverage is the share of these cells with an agreeing match.
+/// Vertices are any [V,3] with operator()(i, j): an array or a matrix. The header does not include
+/// Eigen, because all solvers read it.
 template <class Vertices>
 class EvidenceCount {
   using Place2 = std::array<double, 2>;
   using Place3 = std::array<double, 3>;
 
  public:
-  /// `vertices_m` [V,3] m, camera frame, of the template's vertices; all outlive it.
+  /// `vertices_m` [V,3] m, camera frame, are the template's vertices. All arguments must outlive
+  /// the object.
   EvidenceCount(const Template& templ, const Camera& camera, const Vertices& vertices_m)
       : faces_(templ.faces), flat_px_(templ.flat_px), camera_(camera), vertices_m_(vertices_m) {
     Place2 high_px{};
@@ -65,7 +67,7 @@ class EvidenceCount {
     return counted();
   }
 
-  /// Where no matches are wired: the sightlines of positive weight.
+  /// Evidence from the sightlines of positive weight, if no matches are connected.
   ShapeEvidence of(const Sightlines& lines) {
     evidence_.needed = 8;
     for (std::int64_t i = 0; i < lines.count(); ++i) {
@@ -99,7 +101,7 @@ class EvidenceCount {
     return static_cast<std::int64_t>(from_start_px / cell_px_);
   }
 
-  /// The pixel of a point in the camera frame; NaN unless it is in front of the camera.
+  /// The pixel of a point in m, camera frame; NaN unless it is in front of the camera.
   Place2 pixel_of(const Place3& point_m) const {
     if (!(point_m[2] > 0.0)) {
       constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -109,7 +111,7 @@ class EvidenceCount {
             camera_.fy * point_m[1] / point_m[2] + camera_.cy};
   }
 
-  /// The weighted mean of the values of a face's vertices.
+  /// The weighted mean of the values at a face's vertices.
   template <std::size_t Columns, class Rows>
   std::array<double, Columns> mean(const Rows& rows, std::int32_t face,
                                    const Place3& weights) const {
@@ -130,7 +132,7 @@ class EvidenceCount {
     if (cell == before) cell = after;
   }
 
-  /// Faces are counter-clockwise as the camera sees their front; v grows downwards.
+  /// Front faces are counter-clockwise in the camera image; v points down.
   void mark_seen() {
     std::vector<Place2> pixels(to_index(vertices_m_.rows()));
     for (std::size_t v = 0; v < pixels.size(); ++v) {

@@ -19,23 +19,24 @@
 
 namespace weft {
 
-/// Where a point of the texture lies on the mesh.
+/// Position of a texture point on the mesh.
 struct FaceLocation {
-  std::int32_t face = -1;                             ///< [] index, -1 when outside
+  std::int32_t face = -1;                             ///< [] face index, -1 outside
   Eigen::Vector3d weights = Eigen::Vector3d::Zero();  ///< [3] sum 1; all 0 when face is -1
-  bool inside = false;                                ///< [] false where extrapolated
+  bool inside = false;                                ///< [] false if extrapolated
 };
 
-/// Finds the face of a flat mesh under a point with a uniform grid of cells as large as the mean
-/// edge. Inside a face: all weights >= -1e-9, the lowest face index wins. Outside the mesh but
-/// within the maximal distance: the closest face (by distance to its sides), with unclamped weights
-/// that may go down to -0.5. Otherwise there is no face. Faces without area are never found.
+/// Finds the face of a flat mesh that contains a point, with a uniform grid of cells as large as
+/// the mean edge. Inside a face, all weights are >= -1e-9 and the lowest face index wins. Outside
+/// the mesh but within the maximum distance, the closest face (by distance from its sides) is
+/// returned. Its unclamped weights may go down to -0.5. Otherwise there is no face. Degenerate
+/// faces are never returned.
 class FaceLocator {
  public:
   static constexpr double kInsideTolerance = 1e-9;
   static constexpr double kLeastWeight = -0.5;
 
-  /// Copies the mesh. `max_distance_px` is half of the mean edge by default.
+  /// Copies the mesh. The default of `max_distance_px` is half of the mean edge.
   static Result<FaceLocator> create(const Points2View& flat_px, const FacesView& faces,
                                     std::optional<double> max_distance_px = {}) {
     auto topology = build_topology(faces, flat_px.rows());
@@ -87,7 +88,7 @@ class FaceLocator {
   void fill_grid(double mean_edge) {
     low_ = flat_px_.colwise().minCoeff();
     const Eigen::Vector2d extent = flat_px_.colwise().maxCoeff().transpose() - low_;
-    // Sliver meshes have tiny edges in a wide box: larger cells bound the memory.
+    // Sliver meshes have tiny edges in a wide box; larger cells bound the memory.
     const double most_cells = 64.0 + 16.0 * static_cast<double>(faces_.rows());
     cell_px_ = mean_edge;
     while ((extent.x() / cell_px_ + 1.0) * (extent.y() / cell_px_ + 1.0) > most_cells) {
@@ -105,7 +106,8 @@ class FaceLocator {
   void insert(std::int32_t f) {
     const Eigen::Vector2d a = corner(f, 0), b = corner(f, 1), c = corner(f, 2);
     const Eigen::Vector2d low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
-    const double margin = 1e-8 * (high - low).maxCoeff();  // covers the inside tolerance
+    const double margin =
+        1e-8 * (high - low).maxCoeff();  // covers the tolerance of the inside test
     for (int j = row(low.y() - margin); j <= row(high.y() + margin); ++j) {
       for (int i = column(low.x() - margin); i <= column(high.x() + margin); ++i) {
         cells_[cell_index(i, j)].push_back(f);

@@ -18,21 +18,21 @@
 
 namespace weft {
 
-/// A point of the surface, sum_k weights[k] X[vertices[k]], that lies within a sphere.
+/// A surface point, sum_k weights[k] X[vertices[k]], that lies within a sphere.
 struct KnownSurfacePoint {
-  std::int32_t vertex = -1;                ///< [] -1 for a point inside a face
-  std::int32_t face = -1;                  ///< [] -1 for a vertex
-  std::array<std::int32_t, 3> vertices{};  ///< [3] of a vertex: itself, three times
-  std::array<double, 3> weights{};         ///< [3] sum 1; of a vertex: 1, 0, 0
-  Eigen::Vector3d centre_m;                ///< [3] m, camera frame
-  double radius_m = 0.0;                   ///< [] m, 0 holds the point at the centre
+  std::int32_t vertex = -1;                ///< [] vertex index, -1 for a point inside a face
+  std::int32_t face = -1;                  ///< [] face index, -1 for a vertex
+  std::array<std::int32_t, 3> vertices{};  ///< [3] vertex indices; a vertex is repeated three times
+  std::array<double, 3> weights{};         ///< [3] sum 1; 1, 0, 0 for a vertex
+  Eigen::Vector3d centre_m;                ///< [3] m, camera frame, centre of the sphere
+  double radius_m = 0.0;  ///< [] m, radius of the sphere; 0 fixes the point at the centre
 
   static KnownSurfacePoint at_vertex(std::int32_t vertex, const Eigen::Vector3d& centre_m,
                                      double radius_m) {
     return {vertex, -1, {vertex, vertex, vertex}, {1.0, 0.0, 0.0}, centre_m, radius_m};
   }
 
-  /// Where it is on a shape [V,3].
+  /// The position on a shape [V,3] m, camera frame.
   Eigen::Vector3d on(const Points3View& vertices_m) const {
     if (vertex >= 0) return vertices_m.row(vertex).transpose();
     Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
@@ -45,8 +45,8 @@ struct KnownSurfacePoint {
 
 namespace detail {
 
-/// The face of a flat mesh in which the least weight of `point_px` is largest: the one that holds
-/// it, or the one that it is nearest to be held by. -1 where that would put a weight below -1/2.
+/// The face of a flat mesh for which the smallest weight of `point_px` is largest. This is the face
+/// that contains the point, or the nearest one. Returns -1 if a weight would be below -1/2.
 inline std::int32_t face_around(const Eigen::Vector2d& point_px, const Points2View& flat_px,
                                 const FacesView& faces, Eigen::Vector3d& weights) {
   constexpr double kLeastWeight = -0.5;
@@ -64,7 +64,8 @@ inline std::int32_t face_around(const Eigen::Vector2d& point_px, const Points2Vi
   return found;
 }
 
-/// Puts a point with template_xy_m on the mesh; one within 1e-6 of a vertex is that vertex.
+/// Puts a point given by template_xy_m on the mesh. A point within 1e-6 of a vertex becomes that
+/// vertex.
 inline Result<void> place_on_mesh(const Eigen::Vector2d& xy_m, const std::string& name,
                                   const Template& templ, KnownSurfacePoint& point) {
   if (!templ.m_per_px.present()) {
@@ -94,9 +95,9 @@ inline Result<void> place_on_mesh(const Eigen::Vector2d& xy_m, const std::string
 
 }  // namespace detail
 
-/// The known points on the mesh of a template. A negative radius becomes `own_radius_m`. Fails,
-/// with the point, on a vertex that the mesh lacks, a point beside a flat template or of one that
-/// is not flat, and numbers that are not finite.
+/// The known points on a template's mesh. A negative radius becomes `own_radius_m`. Fails on a
+/// missing vertex, on a point beside a flat template, on a point without vertex on a curved
+/// template, and on non-finite numbers. The error gives the point.
 inline Result<std::vector<KnownSurfacePoint>> known_surface_points(const KnownPoints& known,
                                                                    const Template& templ,
                                                                    double own_radius_m) {

@@ -13,9 +13,9 @@
 
 namespace weft {
 
-/// One list of indices for each vertex, stored one after the other.
+/// One list of indices per vertex, stored consecutively.
 struct IndexLists {
-  std::vector<std::int32_t> offsets;  ///< [n+1] where each list starts in `items`
+  std::vector<std::int32_t> offsets;  ///< [n+1] start of each list in `items`
   std::vector<std::int32_t> items;    ///< [.] indices, ascending within a list
 
   Eigen::Index size() const { return static_cast<Eigen::Index>(offsets.size()) - 1; }
@@ -29,7 +29,7 @@ struct IndexLists {
 
 namespace detail {
 
-/// Lists from (list, item) pairs, in linear time but for the lists themselves.
+/// Makes lists from (list, item) pairs, in linear time apart from the lists themselves.
 inline IndexLists gather(const std::vector<std::pair<std::int32_t, std::int32_t>>& pairs,
                          Eigen::Index count) {
   IndexLists lists;
@@ -63,7 +63,7 @@ inline IndexLists vertex_faces(const FacesView& faces, Eigen::Index vertex_count
   return detail::gather(pairs, vertex_count);
 }
 
-/// The vertices joined to each vertex by one of the (unique) edges.
+/// The neighbours of each vertex along the (unique) edges.
 inline IndexLists vertex_neighbours(const EdgesView& edges, Eigen::Index vertex_count) {
   std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
   pairs.reserve(to_index(2 * edges.rows()));

@@ -11,19 +11,19 @@
 
 namespace weft {
 
-/// The bend across an interior edge (a, b) with the opposite vertices c and d: sum_k coefficient[k]
-/// X[vertex[k]] is 0 for an affine image of the two faces laid flat, and for a small bend its
-/// length is the angle in rad. The bending energy of a mesh is the sum of weight |.|^2, the
-/// integral of the squared curvature over the area, times 3 (Bergou et al., A quadratic bending
-/// model for inextensible surfaces, SGP 2006).
+/// The bend across an interior edge (a, b) with the opposite vertices c and d. The vector sum_k
+/// coefficient[k] X[vertex[k]] is 0 for an affine image of the two faces laid flat. For a small
+/// bend its length is the angle in rad. The bending energy of a mesh is the sum of weight |.|^2. It
+/// equals three times the integral of the squared curvature over the area (Bergou et al., A
+/// quadratic bending model for inextensible surfaces, SGP 2006).
 struct BendingHinge {
-  std::array<std::int32_t, 4> vertex{};       ///< [4] a, b, c, d
+  std::array<std::int32_t, 4> vertex{};       ///< [4] indices of a, b, c, d
   std::array<double, 4> coefficient_per_m{};  ///< [4] 1/m, sum 0
-  double weight = 0.0;                        ///< [] 3 |edge|^2 / (area + area)
+  double weight = 0.0;                        ///< [] 3 |edge|^2 / (sum of both areas)
 };
 
-/// One hinge for each interior edge, in their order, from the rest vertices [V,3] m of the mesh the
-/// topology is of. Edges with a face without area are left out.
+/// Makes one hinge per interior edge, in their order, from the rest vertices [V,3] m of the mesh.
+/// Edges with a degenerate face are omitted.
 inline std::vector<BendingHinge> bending_hinges(const Points3View& rest_m, const FacesView& faces,
                                                 const MeshTopology& topology) {
   std::vector<BendingHinge> hinges;

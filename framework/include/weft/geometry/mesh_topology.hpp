@@ -14,13 +14,13 @@
 
 namespace weft {
 
-/// Edges of a triangle mesh in a fixed order: the order in which they first appear when the faces
-/// are walked as (v0,v1), (v1,v2), (v2,v0).
+/// Edges of a triangle mesh in a fixed order: the order of first appearance when faces are
+/// traversed as (v0,v1), (v1,v2), (v2,v0).
 struct MeshTopology {
-  Edges edges;                               ///< [E,2] vertices, the smaller index first
-  Edges edge_faces;                          ///< [E,2] faces that share the edge, -1 for none
-  Edges bending_pairs;                       ///< [B,2] vertices opposite each interior edge
-  std::vector<std::int32_t> boundary_edges;  ///< [.] edges with one face, ascending
+  Edges edges;          ///< [E,2] vertex indices, the smaller one first
+  Edges edge_faces;     ///< [E,2] indices of the faces at the edge, -1 for none
+  Edges bending_pairs;  ///< [B,2] indices of the vertices opposite each interior edge
+  std::vector<std::int32_t> boundary_edges;  ///< [.] indices of edges with one face, ascending
 };
 
 namespace detail {
@@ -29,7 +29,7 @@ inline Error bad_mesh(std::string message) { return {Errc::invalid_data, std::mo
 
 inline std::string face_name(Eigen::Index face) { return "face " + std::to_string(face); }
 
-/// The corner of `face` that is neither end of the edge (a, b).
+/// The corner of `face` that is not an end of the edge (a, b).
 inline std::int32_t opposite_vertex(const FacesView& faces, std::int32_t face, std::int32_t a,
                                     std::int32_t b) {
   for (int k = 0; k < 2; ++k) {
@@ -99,9 +99,9 @@ inline Result<void> collect_edges(const FacesView& faces, MeshTopology& topology
 
 }  // namespace detail
 
-/// Edges, boundary and bending pairs of a manifold mesh; the pairs follow the order of the interior
-/// edges, the vertex of the first face first. Fails on a bad index, on an edge of more than two
-/// faces and on two faces with the same vertices. Vertices without a face are allowed.
+/// Edges, boundary and bending pairs of a manifold mesh. The pairs follow the order of the interior
+/// edges, with the vertex of the first face first. Fails on an invalid index, on an edge with more
+/// than two faces and on two faces with the same vertices. Vertices without a face are allowed.
 inline Result<MeshTopology> build_topology(const FacesView& faces, Eigen::Index vertex_count) {
   if (auto checked = check_face_indices(faces, vertex_count); !checked) return checked.error();
   MeshTopology topology;

@@ -15,7 +15,7 @@
 namespace weft {
 
 /// Signed area of a face in the plane with u right and v down: half of det(m1 - m0, m2 - m0).
-/// Negative when the camera sees the face counter-clockwise, which is the orientation of Weft.
+/// Negative if the face is counter-clockwise in the camera image, which is the orientation of Weft.
 inline double signed_area_px2(const Points2View& flat_px, const FacesView& faces,
                               Eigen::Index face) {
   const Eigen::Vector2d origin = flat_px.row(faces(face, 0));
@@ -32,7 +32,7 @@ inline double face_area(const Points3View& vertices, const FacesView& faces, Eig
   return 0.5 * a.cross(b).norm();
 }
 
-/// Smallest area of a face that counts: 1e-12 of the squared diagonal of the bounding box.
+/// Smallest area of a valid face: 1e-12 of the squared diagonal of the bounding box.
 template <class Derived>
 double smallest_area(const Eigen::MatrixBase<Derived>& vertices) {
   const Eigen::Matrix<double, 1, Derived::ColsAtCompileTime> extent =
@@ -69,8 +69,8 @@ inline Error zero_area(Eigen::Index face) {
 
 }  // namespace detail
 
-/// A surface that the methods can use: at least one face, indices in range, at most two faces an
-/// edge, no vertex without a face, finite vertices, no face without area. Names the first mistake.
+/// Checks a surface: at least one face, indices in range, at most two faces per edge, no isolated
+/// vertex, finite vertices, no degenerate face. The error describes the first violation.
 inline Result<void> validate_mesh(const Points3View& vertices, const FacesView& faces) {
   if (faces.rows() == 0) return detail::bad_mesh("the mesh has no faces: give at least one");
   if (auto built = build_topology(faces, vertices.rows()); !built) return built.error();
@@ -84,8 +84,8 @@ inline Result<void> validate_mesh(const Points3View& vertices, const FacesView& 
   return {};
 }
 
-/// The flat mesh of a valid surface: finite, no face without area, every face counter-clockwise as
-/// the camera sees it (`signed_area_px2` < 0).
+/// Checks the flat mesh of a valid surface: finite, no degenerate face, every face
+/// counter-clockwise in the camera image (`signed_area_px2` < 0).
 inline Result<void> validate_flat_mesh(const Points2View& flat_px, const FacesView& faces) {
   if (auto checked = check_face_indices(faces, flat_px.rows()); !checked) return checked;
   if (auto checked = detail::check_finite(flat_px); !checked) return checked;

@@ -10,10 +10,10 @@
 
 namespace weft {
 
-/// A part of the texture between borders of pixels: of 4 columns, from -0.5 to 3.5.
+/// A part of the texture between pixel borders; four columns extend from -0.5 to 3.5.
 struct TextureBox {
-  double u0 = 0.0, u1 = 0.0;  ///< [] px of the texture, left and right
-  double v0 = 0.0, v1 = 0.0;  ///< [] px of the texture, above and below
+  double u0 = 0.0, u1 = 0.0;  ///< [] px of the texture, left and right border
+  double v0 = 0.0, v1 = 0.0;  ///< [] px of the texture, upper and lower border
 
   bool operator==(const TextureBox&) const = default;
   double width_px() const { return u1 - u0; }
@@ -32,8 +32,8 @@ inline bool is_blank(const std::uint8_t* mask, std::int64_t count) {
 
 }  // namespace detail
 
-/// The box around the pixels that belong to the object by the template's mask; the whole texture
-/// where that says nothing.
+/// The bounding box of the object's pixels according to the template's mask; the whole texture
+/// without a mask.
 inline TextureBox object_box(const Template& templ) {
   const std::int64_t height = templ.texture.dim(0), width = templ.texture.dim(1);
   std::int64_t top = 0, bottom = height, left = width, right = 0;

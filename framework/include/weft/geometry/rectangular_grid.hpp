@@ -10,10 +10,10 @@
 namespace weft {
 
 /// Faces of a grid of columns x rows vertices, vertex index = row * columns + column. The diagonal
-/// of the cell (column i, row j) runs from its top left to its bottom right vertex where i + j is
-/// even, across where it is odd, so that the mesh has no preferred diagonal.
-/// With column along u and row along v (down), all faces are counter-clockwise as the camera sees
-/// them: det(m1 - m0, m2 - m0) < 0 in pixels, and the normal points to the camera.
+/// of cell (column i, row j) runs from its top left to its bottom right vertex if i + j is even.
+/// Otherwise it runs across, so that the mesh has no preferred diagonal. With column along u and
+/// row along v (down), all faces are counter-clockwise in the camera image: det(m1 - m0, m2 - m0) <
+/// 0 in pixels. The normal points to the camera.
 inline Result<Faces> rectangular_grid_faces(std::int64_t columns, std::int64_t rows) {
   constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
   if (columns < 2 || rows < 2 || columns > kMost / rows) {
@@ -42,8 +42,8 @@ inline Result<Faces> rectangular_grid_faces(std::int64_t columns, std::int64_t r
   return faces;
 }
 
-/// Where the vertices [columns * rows,2] of that grid lie in a texture of this size which fills it
-/// from edge to edge: u = i * width_px / (columns - 1) - 1/2, v alike, px.
+/// Positions [columns * rows,2] px of that grid's vertices in a texture that it fills from edge to
+/// edge: u = i * width_px / (columns - 1) - 1/2, v likewise.
 inline Points2 rectangular_grid_px(int columns, int rows, int width_px, int height_px) {
   Points2 points_px(Eigen::Index{columns} * rows, 2);
   for (int j = 0; j < rows; ++j) {

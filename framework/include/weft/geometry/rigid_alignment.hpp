@@ -14,19 +14,19 @@ namespace weft {
 
 enum class AlignmentKind { rigid, similarity };
 
-/// target ~ scale * rotation * source + translation.
+/// Similarity transform: target ~ scale * rotation * source + translation.
 struct RigidAlignment {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();  ///< [3,3] target_from_source, det 1
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();   ///< [3] unit of the points
   double scale = 1.0;                                      ///< [] 1 for AlignmentKind::rigid
-  double rms = 0.0;                                        ///< [] of the distances left over
+  double rms = 0.0;  ///< [] root mean square of the residual distances, unit of the points
 
   Eigen::Vector3d operator()(const Eigen::Vector3d& source) const {
     return scale * (rotation * source) + translation;
   }
 };
 
-/// The aligned copy of all points [N,3].
+/// Transforms all points [N,3].
 inline Points3 transform_points(const RigidAlignment& alignment, const Points3View& points) {
   return ((alignment.scale * points * alignment.rotation.transpose()).rowwise() +
           alignment.translation.transpose());
@@ -56,8 +56,8 @@ inline Result<void> check_alignable(const Points3View& source, const Points3View
 }  // namespace detail
 
 /// The transform with the least sum of squared distances between corresponding points [N,3]
-/// (Umeyama, PAMI 1991, eq. 40-42; reflections are excluded). no_result for fewer than 3 points and
-/// where the rotation is not determined: coincident or collinear points, or a mirrored symmetry.
+/// (Umeyama, PAMI 1991, eq. 40-42; without reflections). Returns no_result for fewer than 3 points
+/// and for an undetermined rotation: coincident or collinear points, or a mirrored symmetry.
 inline Result<RigidAlignment> align_points(const Points3View& source, const Points3View& target,
                                            AlignmentKind kind = AlignmentKind::rigid) {
   if (auto checked = detail::check_alignable(source, target); !checked) return checked.error();

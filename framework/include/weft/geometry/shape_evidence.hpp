@@ -9,9 +9,9 @@
 
 namespace weft {
 
-/// The rule for the shapes of all solvers: `estimated` if it is likelier right than wrong, and if
-/// the image shows it, widely and more than by chance; otherwise `weak`. Where a solver takes
-/// neither matches nor sightlines, its confidence alone tells.
+/// The common rule for the state of a shape. It is `estimated` if its confidence is at least 1/2
+/// and the image confirms it, widely and more than by chance. Otherwise it is `weak`. Without
+/// matches and sightlines, the confidence alone decides.
 inline ShapeState state_of(const ShapeEvidence& evidence, double confidence) {
   constexpr double kLeastShare = 0.25, kLeastCoverage = 0.25, kLeastConfidence = 0.5;
   const bool shown = evidence.needed == 0 || (evidence.agreeing >= evidence.needed &&
@@ -20,7 +20,7 @@ inline ShapeState state_of(const ShapeEvidence& evidence, double confidence) {
   return shown && confidence >= kLeastConfidence ? ShapeState::estimated : ShapeState::weak;
 }
 
-/// By the matches where they are wired, else by the sightlines.
+/// Uses the matches if they are connected, else the sightlines.
 template <class Vertices>
 ShapeEvidence shape_evidence(const Template& templ, const Camera& camera,
                              const Vertices& vertices_m,
@@ -31,7 +31,8 @@ ShapeEvidence shape_evidence(const Template& templ, const Camera& camera,
   return sightlines ? count.of(*sightlines) : ShapeEvidence{};
 }
 
-/// A filter may know of a likelier place for the object, such as a copy of it: what it said, or 1.
+/// The filters' confidence, or 1. A filter may detect a more likely place of the object, such as a
+/// copy.
 inline double confidence_of_filters(const std::optional<Correspondences>& matches) {
   if (!matches || !matches->confidence.present()) return 1.0;
   return std::clamp(*matches->confidence.data(), 0.0, 1.0);

@@ -17,8 +17,8 @@
 
 namespace weft {
 
-/// Whether points [N,3] lie in one plane, within 1e-6 of their largest distance to their mean. No
-/// points, and points that are not finite, do not.
+/// Returns whether points [N,3] lie in one plane, within 1e-6 of their largest distance from their
+/// mean. False for no points and for non-finite points.
 inline bool coplanar(const Points3View& points) {
   if (points.rows() == 0 || !points.allFinite()) return false;
   const Points3 centred = points.rowwise() - points.colwise().mean();
@@ -27,15 +27,15 @@ inline bool coplanar(const Points3View& points) {
   return (centred * axes.eigenvectors().col(0)).cwiseAbs().maxCoeff() <= 1e-6 * reach;
 }
 
-/// A vertex and how far it is from where paths begin.
+/// A start of paths: a vertex and its distance from the origin.
 struct PathStart {
-  std::int32_t vertex = 0;  ///< []
-  double length_m = 0.0;    ///< [] m, >= 0
+  std::int32_t vertex = 0;  ///< [] vertex index
+  double length_m = 0.0;    ///< [] m, distance from the origin, >= 0
 };
 
-/// Length in m of the shortest path along edges from the starts to every vertex [V]; infinite where
-/// there is none (Dijkstra). It is at least the length along the surface, and on fine regular
-/// meshes up to about 8 % longer. With `region` [V] paths stay on vertices where it is not 0.
+/// Length in m of the shortest edge path from the starts to each vertex [V] (Dijkstra); infinite if
+/// there is none. It is at least the length along the surface, and up to about 8 % longer on fine
+/// regular meshes. With `region` [V], paths stay on vertices with a non-zero entry.
 inline std::vector<double> path_lengths_m(const Points3View& vertices_m,
                                           const IndexLists& neighbours,
                                           std::span<const PathStart> starts,

@@ -6,9 +6,9 @@
 
 namespace weft {
 
-/// Why the size of a surface is doubtful: larger than 5 m or smaller than 5 mm, as from a length in
-/// another unit than that of the parameter that scales it, "" where there is none. Empty where it
-/// is not.
+/// Returns why the size of a surface is doubtful: larger than 5 m or smaller than 5 mm, as from a
+/// length in a wrong unit. The text refers to the parameter that scales the surface, "" if there is
+/// none. Empty if the size is plausible.
 inline std::string size_doubt(double largest_side_m, const std::string& parameter) {
   constexpr double kLeast_m = 0.005, kMost_m = 5.0;
   if (!(largest_side_m > kMost_m) && !(largest_side_m < kLeast_m)) return {};

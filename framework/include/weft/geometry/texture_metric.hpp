@@ -9,8 +9,8 @@
 
 namespace weft {
 
-/// dX/d(u,v) of a face, m/px: [X1 - X0, X2 - X0] [m1 - m0, m2 - m0]^-1 with the corners X in space
-/// and m in the texture. The face must have an area in the texture.
+/// dX/d(u,v) of a face in m/px: [X1 - X0, X2 - X0] [m1 - m0, m2 - m0]^-1, with the corners X in
+/// space and m in the texture. The face must have an area in the texture.
 inline Eigen::Matrix<double, 3, 2> texture_jacobian(const Points3View& vertices_m,
                                                     const Points2View& flat_px,
                                                     const FacesView& faces, Eigen::Index face) {
@@ -26,11 +26,12 @@ inline Eigen::Matrix<double, 3, 2> texture_jacobian(const Points3View& vertices_
 /// Size of a texel on a surface.
 struct TexelPitch {
   Eigen::Vector2d m_per_px = Eigen::Vector2d::Zero();  ///< [2] m/px along u and v
-  double distortion = 0.0;  ///< [] largest |1 - s| of the stretches s of the faces over that pitch
+  double distortion =
+      0.0;  ///< [] largest |1 - s| over the stretches s of the faces relative to m_per_px
 };
 
-/// The root mean squares of |dX/du| and |dX/dv| over the area: exact on a surface that unrolls into
-/// the texture. The singular values of J diag(m_per_px)^-1 say how far it is from that.
+/// The root mean squares of |dX/du| and |dX/dv| over the area; exact on a surface that unrolls into
+/// the texture. The singular values of J diag(m_per_px)^-1 measure the deviation from that case.
 inline TexelPitch texel_pitch(const Points3View& vertices_m, const Points2View& flat_px,
                               const FacesView& faces) {
   TexelPitch pitch;

@@ -13,18 +13,19 @@
 
 namespace weft {
 
-/// Points side by side in memory, for arithmetic on many at once: [N,2].
+/// Points [N,2] stored by column, for vectorised arithmetic.
 using PointColumns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
 
-/// A thin-plate spline from the plane to the plane (Duchon 1976; Bookstein 1989), in
-/// q = (p - centre) / scale:
+/// A thin-plate spline from the plane to the plane (Duchon 1976; Bookstein 1989), with q = (p -
+/// centre) / scale:
 ///   f(p) = [1 q] affine + sum_k phi(|q - o_k|) c_k,  phi(r) = r^2 log r^2.
 struct ThinPlateSpline {
-  Eigen::RowVector2d centre = Eigen::RowVector2d::Zero();
-  double scale = 1.0;
-  PointColumns centres;       ///< [n,2] o_k, normalised
-  PointColumns coefficients;  ///< [n,2] c_k, in the unit of the values
-  Eigen::Matrix<double, 3, 2> affine = Eigen::Matrix<double, 3, 2>::Zero();
+  Eigen::RowVector2d centre = Eigen::RowVector2d::Zero();  ///< [2] unit of p
+  double scale = 1.0;                                      ///< [] unit of p
+  PointColumns centres;                                    ///< [n,2] o_k, normalised
+  PointColumns coefficients;                               ///< [n,2] c_k, in the unit of the values
+  Eigen::Matrix<double, 3, 2> affine =
+      Eigen::Matrix<double, 3, 2>::Zero();  ///< [3,2] unit of the values
 
   Eigen::RowVector2d operator()(const Eigen::RowVector2d& point) const {
     const Eigen::RowVector2d q = (point - centre) / scale;
@@ -34,13 +35,14 @@ struct ThinPlateSpline {
   }
 };
 
-/// A spline and, where that was asked, what the others predict.
+/// A spline with optional leave-one-out predictions.
 struct ThinPlateFit {
   ThinPlateSpline spline;
-  PointColumns left_out;  ///< [n,2] value minus that of the spline through the others
+  PointColumns
+      left_out;  ///< [n,2] value minus the prediction of the spline through the other points
 };
 
-/// phi between each of a [n,2] and each of b [m,2].
+/// phi [n,m] between each point of a [n,2] and each point of b [m,2].
 inline Eigen::MatrixXd thin_plate_kernels(const PointColumns& a, const PointColumns& b) {
   constexpr double kTiny = 1e-300;  // keeps the logarithm of 0 finite
   Eigen::MatrixXd values(a.rows(), b.rows());
@@ -55,8 +57,8 @@ inline Eigen::MatrixXd thin_plate_kernels(const PointColumns& a, const PointColu
 
 namespace detail {
 
-/// Three reflections whose product Q^T turns [1 o] into three rows: the last columns of Q span what
-/// is orthogonal to affine maps.
+/// Three reflections whose product Q^T reduces [1 o] to three rows. The last columns of Q span the
+/// complement of the affine maps.
 class AffineComplement {
  public:
   explicit AffineComplement(const PointColumns& points) : vectors_(points.rows(), 3) {
@@ -74,13 +76,13 @@ class AffineComplement {
     corner_ = rest.topRows<3>();
   }
 
-  /// Whether the points are on a line.
+  /// Returns whether the points are on a line.
   bool flat() const {
-    constexpr double kFlat = 1e-9;  // extent across a line over that along it
+    constexpr double kFlat = 1e-9;  // extent across a line divided by the extent along it
     const Eigen::Array3d sizes = corner_.diagonal().cwiseAbs();
     return !(sizes.minCoeff() > kFlat * sizes.maxCoeff());
   }
-  const Eigen::Matrix3d& corner() const { return corner_; }  ///< upper triangle: Q^T [1 o]
+  const Eigen::Matrix3d& corner() const { return corner_; }  ///< upper triangle of Q^T [1 o]
 
   /// Q^T x and Q x, in place.
   void forward(Eigen::MatrixXd& x) const {
@@ -114,9 +116,9 @@ class AffineComplement {
 
 /// The spline with a centre at each site [n,2] that minimises
 ///   sum_k |f(o_k) - y_k|^2 / slack_k + (bending energy / 16 pi)
-/// over sites shifted to zero mean and scaled to unit RMS radius, so that slack has no unit; 0
-/// interpolates. n^3 operations. no_result for fewer than 3 sites, for sites on a line and, with a
-/// slack of 0, for a site that is given twice.
+/// over sites shifted to zero mean and scaled to unit RMS radius. slack [n] has no unit; 0
+/// interpolates. The cost is n^3 operations. Returns no_result for fewer than 3 sites, for sites on
+/// a line and, with a slack of 0, for duplicate sites.
 inline Result<ThinPlateFit> fit_thin_plate(const Points2View& sites, const Points2View& values,
                                            const Eigen::VectorXd& slack,
                                            bool leave_one_out = false) {
@@ -157,8 +159,8 @@ inline Result<ThinPlateFit> fit_thin_plate(const Points2View& sites, const Point
   complement.backward(coefficients);
   spline.coefficients = coefficients;
   if (!leave_one_out) return fitted;
-  // What a value differs from the others' spline is its coefficient over its entry on the diagonal
-  // of Q (Q^T M Q)^-1 Q^T, restricted to what is orthogonal to affine maps.
+  // The leave-one-out residual is the coefficient divided by the diagonal entry of Q (Q^T M Q)^-1
+  // Q^T, restricted to the complement of the affine maps.
   Eigen::MatrixXd turned = Eigen::MatrixXd::Identity(n, n);
   complement.forward(turned);
   const Eigen::MatrixXd half = solver.matrixL().solve(turned.bottomRows(inner));

@@ -11,14 +11,14 @@
 
 namespace weft {
 
-/// Where a vertex is least certain: the eigenvector of its covariance's largest eigenvalue, and the
-/// root of that.
+/// The direction of largest uncertainty of a vertex: the eigenvector of the largest eigenvalue of
+/// its covariance, and the square root of that eigenvalue.
 struct MajorAxis {
-  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< [3] unit, camera frame
-  double std_m = 0.0;                                    ///< [] m
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< [3] unit vector, camera frame
+  double std_m = 0.0;  ///< [] m, standard deviation along the direction
 };
 
-/// Of a shape that has covariances.
+/// The major axis of a vertex. The shape must have covariances.
 inline MajorAxis major_axis(const Shape& shape, std::int64_t vertex) {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   const Eigen::Map<const Eigen::Matrix3d> covariance_m2(shape.covariance_m2.row(vertex));
@@ -26,7 +26,7 @@ inline MajorAxis major_axis(const Shape& shape, std::int64_t vertex) {
   return {solver.eigenvectors().col(2), std::sqrt(std::max(0.0, solver.eigenvalues()[2]))};
 }
 
-/// Of each vertex [V] m; empty for a shape without covariances.
+/// The largest standard deviation of each vertex [V] in m; empty for a shape without covariances.
 inline std::vector<double> vertex_stds_m(const Shape& shape) {
   std::vector<double> stds_m;
   for (std::int64_t v = 0; v < shape.covariance_m2.rows(); ++v) {

@@ -12,10 +12,11 @@
 
 namespace weft {
 
-inline constexpr std::uint64_t kMostImageBytes = 1ULL << 29U;  ///< [bytes] of an image file
-inline constexpr std::int64_t kMostImagePixels = 1LL << 28U;   ///< [px] width times height
+inline constexpr std::uint64_t kMostImageBytes = 1ULL
+                                                 << 29U;  ///< [bytes] size limit of an image file
+inline constexpr std::int64_t kMostImagePixels = 1LL << 28U;  ///< [px] limit of width times height
 
-/// The bytes of an image file, to be decoded by a library of the caller's choice.
+/// The bytes of an image file for a decoder of the caller's choice.
 struct ImageFile {
   std::string bytes;
   ImageHeader header;
@@ -29,7 +30,7 @@ inline ImageHeader bmp_header(const Bytes& bytes) {
   const bool old = bytes.little32(14) == 12;
   header.width_px = old ? std::int64_t{bytes.little16(18)} : std::int64_t{i32(18)};
   header.height_px = old ? std::int64_t{bytes.little16(20)} : std::int64_t{i32(22)};
-  header.height_px = std::abs(header.height_px);  // below 0: rows from top to bottom
+  header.height_px = std::abs(header.height_px);  // negative: rows from top to bottom
   return header;
 }
 
@@ -43,7 +44,7 @@ inline ImageHeader tiff_header(std::string_view text) {
   return header;
 }
 
-/// The EXIF data of a WebP: a chunk of its own, behind the image as a rule.
+/// Reads the EXIF data of a WebP file: a separate chunk, usually after the image.
 inline void take_webp_exif(const Bytes& bytes, ImageHeader& header) {
   for (std::uint64_t at = 12; bytes.has(at + 8);) {
     const std::uint64_t length = bytes.little32(at + 4);
@@ -75,7 +76,8 @@ inline ImageHeader webp_header(const Bytes& bytes) {
   return header;
 }
 
-/// "P5", then width, height and, but for bits, the largest value; blanks and comments between.
+/// Reads "P5" or a variant, then width, height and, except for bitmaps, the largest value. Blanks
+/// and comments separate them.
 inline ImageHeader pnm_header(const Bytes& bytes) {
   ImageHeader header;
   std::uint64_t at = 2;
@@ -111,9 +113,8 @@ inline Result<ImageHeader> header_of_any(std::string_view text) {
 
 }  // namespace detail
 
-/// The header of an image in memory. Errc::invalid_data for one that is empty, cut off or damaged
-/// as far as its structure tells, and for one of too many pixels, whose decoding would need too
-/// much memory.
+/// Reads the header of an image in memory. Fails with Errc::invalid_data for an empty, truncated or
+/// damaged image, and for one with too many pixels, whose decoding would need too much memory.
 inline Result<ImageHeader> read_image_header(std::string_view bytes) {
   if (bytes.empty()) return Error{Errc::invalid_data, "it is empty"};
   auto header = detail::header_of_any(bytes);
@@ -128,7 +129,7 @@ inline Result<ImageHeader> read_image_header(std::string_view bytes) {
   return header;
 }
 
-/// The bytes and the header of a regular file. The message names the file.
+/// Reads the bytes and the header of a regular file. Messages contain the file's path.
 inline Result<ImageFile> read_image_bytes(const std::string& path) {
   auto bytes = read_text_file(path, kMostImageBytes);
   if (!bytes) {
@@ -140,7 +141,7 @@ inline Result<ImageFile> read_image_bytes(const std::string& path) {
                path + ": is no image that can be decoded: " + header.error().message};
 }
 
-/// The error of a file whose bytes the library could not decode.
+/// The error of a file whose bytes the decoder rejects.
 inline Error no_image(const std::string& path) {
   return {Errc::invalid_data,
           path + ": is no image that can be decoded (damaged or of an unknown format)",

@@ -11,20 +11,20 @@
 
 namespace weft {
 
-/// What an image file says of itself before its pixels are decoded. PNG, JPEG, BMP, TIFF, WebP and
-/// PNM are known; of another format all is 0.
+/// Properties of an image file before its pixels are decoded. Supports PNG, JPEG, BMP, TIFF, WebP
+/// and PNM; all values are 0 for other formats.
 struct ImageHeader {
   std::int64_t width_px = 0, height_px = 0;
-  int bits = 0;            ///< of a channel; 0: not known
-  bool has_alpha = false;  ///< known of PNG only
-  int orientation = 1;     ///< of EXIF, 1 to 8: see turns(); sizes are those before it is applied
-  bool complete = false;   ///< PNG and JPEG: all parts are there, those of PNG with right checksums
-  int focal_35mm_mm = 0;   ///< [mm] EXIF: focal length of the same view on 35 mm film; 0: not known
-  /// EXIF: size of the whole image before the orientation is applied; 0: not known. Programs that
-  /// crop an image may or may not correct it.
+  int bits = 0;            ///< bits per channel; 0: unknown
+  bool has_alpha = false;  ///< known only for PNG
+  int orientation = 1;  ///< EXIF orientation, 1 to 8: see turns(); sizes are before its application
+  bool complete = false;  ///< PNG and JPEG: all parts are present, with valid checksums in PNG
+  int focal_35mm_mm = 0;  ///< [mm] EXIF: equivalent focal length on 35 mm film; 0: unknown
+  /// [px] EXIF size of the whole image before the orientation is applied; 0: unknown. Programs that
+  /// crop an image may leave it uncorrected.
   std::int64_t exif_width_px = 0, exif_height_px = 0;
 
-  /// Of the image that is made upright.
+  /// Width of the upright image, in px.
   std::int64_t upright_width_px() const {
     return turns(orientation).sideways ? height_px : width_px;
   }
@@ -35,7 +35,7 @@ struct ImageHeader {
 
 namespace detail {
 
-/// Copies what EXIF data say into the header of their image.
+/// Copies values of EXIF data into an image header.
 inline void take_exif(std::string_view exif, ImageHeader& header) {
   const TiffFields fields = tiff_fields(exif);
   header.orientation = fields.orientation;
@@ -54,7 +54,7 @@ constexpr std::array<std::uint32_t, 256> crc_table() {
   return table;
 }
 
-/// CRC-32 as PNG and zip have it.
+/// CRC-32 as in PNG and zip.
 inline std::uint32_t crc32(std::string_view bytes) {
   static constexpr std::array<std::uint32_t, 256> kTable = crc_table();
   std::uint32_t crc = 0xFFFFFFFFU;
@@ -66,7 +66,7 @@ inline std::uint32_t crc32(std::string_view bytes) {
 
 inline Error cut_off() { return {Errc::invalid_data, "it is damaged or cut off", {}}; }
 
-/// Chunks of length, type, data and checksum; IHDR comes first, IEND last.
+/// Reads chunks of length, type, data and checksum, from IHDR to IEND.
 inline Result<ImageHeader> png_header(const Bytes& bytes) {
   ImageHeader header;
   for (std::uint64_t at = 8;;) {
@@ -96,7 +96,8 @@ inline Result<ImageHeader> png_header(const Bytes& bytes) {
   return header;
 }
 
-/// Segments of a marker and a length up to the coded data, in which FF D9 is the end alone.
+/// Reads segments of a marker and a length, up to the coded data, in which only FF D9 ends the
+/// image.
 inline Result<ImageHeader> jpeg_header(const Bytes& bytes) {
   ImageHeader header;
   header.bits = 8;

@@ -6,7 +6,7 @@
 
 namespace weft {
 
-/// Extensions of the image files that are looked for in a folder, the first ones first.
+/// Extensions of image files that are searched for in a folder, in order of priority.
 inline const std::vector<std::string>& image_extensions() {
   static const std::vector<std::string> kExtensions{".png", ".jpg",  ".jpeg", ".bmp",
                                                     ".tif", ".tiff", ".webp"};

@@ -9,12 +9,12 @@
 
 namespace weft {
 
-/// What makes a stored image upright: first its sides are exchanged (transposed) or not, then
-/// columns, then rows are reversed. EXIF numbers the eight ways from 1 to 8.
+/// Transform of a stored image to an upright one: a transposition or none, then reversals of
+/// columns and rows. EXIF numbers the eight cases from 1 to 8.
 struct Turns {
   bool sideways = false, columns = false, rows = false;
 
-  /// No rotation does what these do.
+  /// True for transforms that include a reflection.
   bool mirrored() const { return (sideways != columns) != rows; }
 };
 
@@ -39,7 +39,7 @@ inline Turns turns(int orientation) {
   }
 }
 
-/// What is done to an image of this orientation to make it upright, for messages.
+/// Describes the transform of an orientation, for messages.
 inline std::string orientation_text(int orientation) {
   static constexpr const char* kTexts[] = {"is not turned",
                                            "is mirrored",
@@ -55,7 +55,7 @@ inline std::string orientation_text(int orientation) {
 
 namespace detail {
 
-/// Numbers at places of a text; beyond its end they are 0.
+/// Reads numbers at positions of a text; they are 0 beyond its end.
 class Bytes {
  public:
   explicit Bytes(std::string_view text) : text_(text) {}
@@ -76,26 +76,27 @@ class Bytes {
   std::string_view text_;
 };
 
-/// Of the first directory of a TIFF file, or of EXIF data, which have the same form, and of the
-/// EXIF directory that it refers to.
+/// Fields of the first directory of a TIFF file or of EXIF data, which share the format, and of the
+/// EXIF directory that it references.
 struct TiffFields {
-  std::int64_t width_px = 0, height_px = 0;
-  int bits = 0;
-  int orientation = 1;
-  int focal_35mm_mm = 0;                               ///< [mm] FocalLengthIn35mmFilm; 0: none
-  std::int64_t exif_width_px = 0, exif_height_px = 0;  ///< PixelXDimension, PixelYDimension
-  std::uint64_t orientation_at = 0;                    ///< where its value stands; 0: nowhere
+  std::int64_t width_px = 0, height_px = 0;  ///< [px] stored size
+  int bits = 0;                              ///< bits per channel; 0: unknown
+  int orientation = 1;                       ///< EXIF orientation, 1 to 8
+  int focal_35mm_mm = 0;                     ///< [mm] FocalLengthIn35mmFilm; 0: absent
+  std::int64_t exif_width_px = 0,
+               exif_height_px = 0;   ///< [px] PixelXDimension, PixelYDimension; 0: absent
+  std::uint64_t orientation_at = 0;  ///< byte offset of the orientation value; 0: absent
   bool big_endian = false;
 };
 
-/// The numbers of a TIFF: their bytes are in one of two orders, its places of one of two sizes.
+/// Numbers of a TIFF in one of two byte orders, with offsets of one of two sizes.
 class TiffNumbers {
  public:
   explicit TiffNumbers(std::string_view text)
       : bytes_(text), big_endian_(text.starts_with("MM")), wide_(u16(2) == 43) {}
 
   bool big_endian() const { return big_endian_; }
-  /// Of classic and of big files, by the number that follows the order of bytes.
+  /// Checks the magic number of classic TIFF and BigTIFF, after the byte order.
   bool is_tiff() const {
     return (bytes_.at(0) == 'I' || big_endian_) && bytes_.at(0) == bytes_.at(1) &&
            (u16(2) == 42 || wide_);
@@ -106,7 +107,7 @@ class TiffNumbers {
   std::uint64_t u32(std::uint64_t i) const {
     return big_endian_ ? bytes_.big32(i) : bytes_.little32(i);
   }
-  /// A place or a count.
+  /// Reads an offset or a count.
   std::uint64_t word(std::uint64_t i) const {
     if (!wide_) return u32(i);
     return big_endian_ ? u32(i) << 32U | u32(i + 4) : u32(i + 4) << 32U | u32(i);
@@ -122,7 +123,7 @@ class TiffNumbers {
     return directory + (wide_ ? 8 : 2) + index * (4 + 2 * word_bytes());
   }
   std::uint64_t value_at(std::uint64_t entry) const { return entry + 4 + word_bytes(); }
-  /// The first value of an entry; it stands elsewhere where all of them do not fit.
+  /// The first value of an entry, which is stored elsewhere if the values do not fit.
   std::uint64_t value(std::uint64_t entry) const {
     const std::uint64_t type = u16(entry + 2), at = value_at(entry);
     if (type == 3) return u16(2 * word(entry + 4) > word_bytes() ? word(at) : at);
@@ -150,7 +151,7 @@ inline TiffFields tiff_fields(std::string_view text) {
   const TiffNumbers numbers(text);
   if (!numbers.is_tiff()) return fields;
   fields.big_endian = numbers.big_endian();
-  std::uint64_t exif = 0;  // where its directory begins
+  std::uint64_t exif = 0;  // byte offset of the EXIF directory
   for_each_entry(numbers, numbers.first_directory(), text.size(), [&](auto tag, auto entry) {
     const std::uint64_t value = numbers.value(entry);
     if (tag == 256) fields.width_px = static_cast<std::int64_t>(value);
@@ -162,7 +163,7 @@ inline TiffFields tiff_fields(std::string_view text) {
   });
   if (exif == 0) return fields;
   for_each_entry(numbers, exif, text.size(), [&](auto tag, auto entry) {
-    constexpr std::uint64_t kMost = 65535;  // of two bytes, and of the side of an image
+    constexpr std::uint64_t kMost = 65535;  // limit of two bytes and of the side of an image
     const std::uint64_t value = std::min(kMost, numbers.value(entry));
     if (tag == 41989) fields.focal_35mm_mm = static_cast<int>(value);
     if (tag == 40962) fields.exif_width_px = static_cast<std::int64_t>(value);

@@ -11,22 +11,22 @@
 
 namespace weft {
 
-/// What surrounds one call of a component. Valid until the call returns.
+/// The context of one call of a component. Valid until the call returns.
 class Call {
  public:
   explicit Call(const weft_call& raw) : raw_(&raw) {}
 
-  /// Index of the frame from 0; 2^64-1 in offline calls.
+  /// Index of the frame, from 0; 2^64-1 in offline calls.
   std::uint64_t frame() const { return raw_->frame; }
-  /// Of this component in this frame: the same however often and wherever the frame is run.
+  /// Seed of this component in this frame, independent of the order and the machine of execution.
   std::uint64_t seed() const { return raw_->seed; }
   Rng rng() const { return Rng(raw_->seed); }
-  /// How many threads the component may use.
+  /// Maximum number of threads that the component may use.
   int threads() const { return raw_->threads; }
-  /// Ask at least every 5 ms, then return an Error with Errc::cancelled. Loops may call
-  /// weft::worked() instead, which asks for them.
+  /// Returns whether to stop. Check at least every 5 ms, then return an Error with Errc::cancelled.
+  /// Loops may call weft::worked() instead, which checks for them.
   bool cancelled() const { return raw_->host->cancelled(raw_) != 0; }
-  /// Lets weft::worked() ask the host, for as long as the answer lives.
+  /// Connects weft::worked() to the host's cancellation for the lifetime of the result.
   StopCheck stop_check() const {
     return {[](const void* whom) {
               const auto* asked = static_cast<const weft_call*>(whom);

@@ -11,7 +11,7 @@
 
 namespace weft::detail {
 
-/// A text that can be an argument of a template.
+/// A text that can be a template argument.
 template <std::size_t Size>
 struct FixedText {
   constexpr FixedText(const char (&text)[Size]) { std::copy_n(text, Size, bytes); }
@@ -20,7 +20,7 @@ struct FixedText {
   char bytes[Size]{};
 };
 
-// By value: with -fsanitize=undefined GCC takes no address of an argument of a template for
+// By value: GCC with -fsanitize=undefined does not accept the address of a template argument as
 // constant.
 template <std::size_t Size>
 constexpr bool is_id(FixedText<Size> text) {
@@ -31,7 +31,7 @@ constexpr bool begins_with(FixedText<Size> id, std::string_view role) {
   return id.view().substr(0, id.view().find('/')) == role;
 }
 
-/// Roles have one of their own: only a private one is not seen.
+/// Every role declares its own kAbout; only a private one is not visible.
 template <class T>
 concept SaysAbout = requires {
   requires std::same_as<std::remove_cvref_t<decltype(T::kAbout)>, About>;
@@ -39,14 +39,14 @@ concept SaysAbout = requires {
 
 #define WEFT_IS_ABOUT(name) \
   requires { requires std::same_as<std::remove_cvref_t<decltype(T::name)>, About>; }
-/// Has an About under a name that is nearly the right one: other capitals, two letters exchanged.
+/// Detects an About with a misspelled name: different capitals or two exchanged letters.
 template <class T>
 concept MisspellsAbout = WEFT_IS_ABOUT(kabout) || WEFT_IS_ABOUT(KAbout) || WEFT_IS_ABOUT(k_about) ||
     WEFT_IS_ABOUT(about) || WEFT_IS_ABOUT(About) || WEFT_IS_ABOUT(kAbuot) ||
     WEFT_IS_ABOUT(kAobut) || WEFT_IS_ABOUT(kAbotu) || WEFT_IS_ABOUT(kAbouts);
 #undef WEFT_IS_ABOUT
 
-/// Does not compile, with a sentence that says why, where class and id do not make a component.
+/// Stops the compilation with an explanation if class and id do not make a component.
 template <class T, FixedText kId>
 constexpr void check_component() {
   static_assert(

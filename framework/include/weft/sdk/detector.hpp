@@ -19,7 +19,7 @@ struct DetectorInput {
   }
 };
 
-/// Role `detectors`: keypoints with descriptors. It runs on every image, and once on the
+/// Role `detectors`: keypoints with descriptors. The host runs it on every image and once on the
 /// template's texture with the template's mask as region.
 class Detector : public Prepared {
  public:
@@ -36,7 +36,7 @@ class Detector : public Prepared {
   }
 };
 
-/// A detector that a component holds, for example to stand in for it.
+/// A nested detector, for example as a fallback.
 struct DetectorComponent : ComponentHandle {
   explicit DetectorComponent(const char* default_component)
       : ComponentHandle{"detectors", default_component} {}

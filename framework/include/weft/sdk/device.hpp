@@ -10,30 +10,30 @@
 #include <weft/core/index.hpp>
 #include <weft/sdk/export.hpp>
 
-/// Arrays that stay on a device. A library says once what it keeps there:
+/// Arrays that stay on a device. A library defines one class for their contents:
 ///
-///   class Rows {  // of a device's memory
+///   class Rows {  // memory of a device
 ///    public:
-///     // In C order. Waits until they are there; Errc::cancelled if told to stop before.
+///     // In C order. Waits for the contents; returns Errc::cancelled on cancellation.
 ///     Result<void> download(std::span<std::byte> to, const std::function<bool()>& cancelled)
 ///     const;
 ///   };
 ///
-/// Any thread may call download(), or destroy the object with its last reference, also when no
-/// component is left. A maker may answer before the work is done: who reads the array where it lies
-/// waits by what the class holds for it, such as an event.
+/// Any thread may call download() or destroy the object with its last reference, even when no
+/// component is left. A producer may return before the device has finished. A reader on the device
+/// waits through the object, for example through an event that it contains.
 ///
-/// Every component that makes or reads such arrays names the class, `About{...,
-/// .device_memory = &weft::kDeviceMemory<Rows>}`; it must be the same class in the whole library,
-/// so outside of unnamed namespaces. An array made with on_device() goes into a field of the
-/// catalogue that may be on a device, and its reader asks device_contents(). Everyone else is given
-/// a copy in host memory by the host. A component may also list what it could compute on, for
-/// `weft doctor`: `static std::vector<std::string> devices()`.
+/// Every component that makes or reads such arrays declares the class, `About{...,
+/// .device_memory = &weft::kDeviceMemory<Rows>}`. The whole library must use the same class,
+/// outside of unnamed namespaces. on_device() makes the array for a catalogue field that may be on
+/// a device; readers call device_contents(). The host gives all other components a copy in host
+/// memory. A component may also list its devices for `weft doctor`:
+/// `static std::vector<std::string> devices()`.
 namespace weft {
 
 namespace detail {
 
-/// What a handle stands for: its references and the contents.
+/// The object behind a handle: a reference count and the contents.
 template <class Memory>
 struct DeviceBlock {
   std::shared_ptr<const Memory> contents;
@@ -65,8 +65,8 @@ inline constexpr weft_device_memory kDeviceMemory{
     sizeof(weft_device_memory), 0, &detail::DeviceBlock<Memory>::retain,
     &detail::DeviceBlock<Memory>::release, &detail::DeviceBlock<Memory>::download};
 
-/// An array of T whose contents lie on a device. `download` writes elements of T, whatever the
-/// device holds. Throws std::length_error for more than six axes.
+/// Makes an array of T whose contents are on a device. `download` writes elements of T, whatever
+/// the device stores. Throws std::length_error for more than six axes.
 template <class T, class Memory>
 Array<T> on_device(std::shared_ptr<const Memory> contents,
                    std::initializer_list<std::int64_t> lengths) {
@@ -81,8 +81,9 @@ Array<T> on_device(std::shared_ptr<const Memory> contents,
   return Array<T>::on_device(handle, static_cast<int>(lengths.size()), shape, owner);
 }
 
-/// What on_device() was given; null for an array in host memory. Of inputs, and of what nested
-/// components answer: the host has seen to it that what lies on a device was made with this Memory.
+/// Returns the object given to on_device(); null for an array in host memory. Valid for inputs and
+/// for answers of nested components. The host guarantees that arrays on a device were made with
+/// this Memory.
 template <class Memory, class T>
 std::shared_ptr<const Memory> device_contents(const Array<T>& array) {
   if (!array.is_on_device()) return nullptr;

@@ -21,14 +21,14 @@ struct Functions {
   static std::int32_t describe(const weft_describe* sink, weft_error* error) {
     return guarded(error, [&]() -> std::int32_t {
       Params params(sink);
-      T described(params);
+      T component(params);
       for (const RoleMethod& method : T::role().methods) {
         for (const RoleSlot& slot : method.inputs) sink->record(sink->context, slot.type.c_str());
         for (const RoleSlot& slot : method.outputs) sink->record(sink->context, slot.type.c_str());
       }
       if constexpr (requires { T::describe_slots(sink, about_of<T>()); }) {
-        const auto told = T::describe_slots(sink, about_of<T>());
-        if (!told) return report(told.error(), error);
+        const auto described = T::describe_slots(sink, about_of<T>());
+        if (!described) return report(described.error(), error);
       }
       return WEFT_OK;
     });
@@ -50,7 +50,8 @@ struct Functions {
         ProcessCall process(*call, inputs, count, error);
         return process.run_with<PrepareInput>(
             [&](const PrepareInput& in) {
-              Prepared& prepared = *static_cast<T*>(self);  // also where T's own is private
+              Prepared& prepared =
+                  *static_cast<T*>(self);  // also works if T overrides it as private
               return prepared.prepare(in);
             },
             [](const auto&) { return Result<void>{}; });
@@ -113,13 +114,12 @@ constexpr std::array<const weft_component*, Count> pointers_to(
 
 }  // namespace weft::detail
 
-/// One component of a library: class, id, version, one sentence.
+/// One component of a library: class, id, version and summary.
 #define WEFT_COMPONENT(Class, id, version, summary) \
   ::weft::detail::checked_component<Class, id>(id, version, summary)
 
-/// A library of several components.
-/// It works with every host of this major version; one that calls what came with a later minor
-/// version defines WEFT_NEEDS_MINOR before it includes the SDK.
+/// A library of several components. It works with every host of this major version. A library that
+/// uses functions of a later minor version defines WEFT_NEEDS_MINOR before it includes the SDK.
 #define WEFT_LIBRARY(...)                                                        \
   namespace {                                                                    \
   constexpr auto kWeftComponents = std::to_array<weft_component>({__VA_ARGS__}); \

@@ -10,13 +10,13 @@
 
 namespace weft::detail {
 
-/// Whether an exception says that memory was short: OpenCV has one of its own for that.
+/// Returns whether an exception reports a lack of memory; OpenCV has its own exception for it.
 inline bool is_about_memory(const std::exception& thrown) {
   return dynamic_cast<const std::bad_alloc*>(&thrown) != nullptr ||
          std::string_view(thrown.what()).find("(-4:Insufficient memory)") != std::string_view::npos;
 }
 
-/// Runs `body` and turns an exception into an error: none crosses the boundary.
+/// Runs `body` and converts an exception into an error, so that none crosses the boundary.
 template <class Body>
 std::int32_t guarded(weft_error* error, Body&& body) noexcept {
   try {
@@ -42,7 +42,7 @@ constexpr About about_of() {
   }
 }
 
-/// What a component class can do beyond its role, found by its members.
+/// Extensions of a component class beyond its role, detected by its members.
 template <class T>
 struct Extensions {
   static const void* get(const char* name) {
@@ -67,7 +67,7 @@ struct Extensions {
   static constexpr bool kSweeps = requires { T::kSweep.parameter; };
   static constexpr bool kChecks = requires(const T& t, Mistakes& m) { t.check(m); };
 
-  static constexpr bool kSteers = requires(T & t) { t.take_wishes(); };
+  static constexpr bool kSteers = requires(T & t) { t.take_change_requests(); };
 
   static std::int32_t list_devices(void* context, void (*device)(void* context, const char* text),
                                    weft_error* error) {
@@ -86,14 +86,14 @@ struct Extensions {
       return WEFT_OK;
     });
   }
-  static std::int32_t take_wishes(void* self, void* context,
-                                  void (*wish)(void* context, std::uint64_t number,
-                                               const char* text),
-                                  weft_error* error) {
+  static std::int32_t take_change_requests(void* self, void* context,
+                                           void (*request)(void* context, std::uint64_t number,
+                                                           const char* text),
+                                           weft_error* error) {
     return guarded(error, [&]() -> std::int32_t {
       if constexpr (kSteers) {
-        for (const auto& each : static_cast<T*>(self)->take_wishes()) {
-          wish(context, each.number, each.text.c_str());
+        for (const auto& each : static_cast<T*>(self)->take_change_requests()) {
+          request(context, each.number, each.text.c_str());
         }
       }
       return WEFT_OK;
@@ -119,7 +119,8 @@ struct Extensions {
   static constexpr weft_sweep kSweepTable = sweep_table();
   static constexpr weft_devices kDevices{sizeof(weft_devices), 0, &list_devices};
   static constexpr weft_check kCheck{sizeof(weft_check), 0, &check};
-  static constexpr weft_steering kSteering{sizeof(weft_steering), 0, &take_wishes, &answer};
+  static constexpr weft_steering kSteering{sizeof(weft_steering), 0, &take_change_requests,
+                                           &answer};
 };
 
 }  // namespace weft::detail

@@ -13,7 +13,7 @@ struct FilterInput {
   OptionalInput<Template> templ{};
   OptionalInput<Camera> camera{};
   OptionalInput<Shape> previous_shape{};
-  OptionalInput<GroundTruth> ground_truth{};  ///< only for a component that declares uses_truth
+  OptionalInput<GroundTruth> ground_truth{};  ///< only for components that declare uses_truth
 
   template <class Self, class Visit>
   static void slots(Self& self, Visit&& visit) {
@@ -25,8 +25,8 @@ struct FilterInput {
   }
 };
 
-/// Role `filters`: marks matches as kept or rejected, with scores; never drops or reorders them.
-/// A match already rejected stays rejected: the host combines the masks.
+/// Role `filters`: marks matches as kept or rejected, with scores, and never drops or reorders
+/// them. A rejected match stays rejected: the host combines the masks.
 class Filter : public Prepared {
  public:
   static constexpr const char* kRole = "filters";

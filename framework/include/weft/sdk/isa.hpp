@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The compiler, and the processor features beyond x86-64 that it was told to assume, by the names
-// of its options (-mavx2). Left out are instructions that a compiler does not use by itself and
-// programs that compute do not ask for: of caches, transactions, interrupts and protection keys.
+// The compiler, and the processor features beyond x86-64 that it was allowed to assume, as option
+// names (-mavx2). Omitted are features that compilers do not use on their own and numeric code does
+// not request: caches, transactions, interrupts and protection keys.
 
 #ifdef __clang__
 #define WEFT_COMPILER "clang " __clang_version__
@@ -13,7 +13,7 @@
 
 namespace weft::detail {
 
-/// Of this file, which may be compiled with other options than its neighbours.
+/// Features of this file, which may be compiled with different options than others.
 [[maybe_unused]] constexpr char kIsa[] =
     ""
 #ifdef __SSE3__

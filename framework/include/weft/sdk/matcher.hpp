@@ -9,16 +9,18 @@ namespace weft {
 
 struct MatcherInput {
   Call call;
-  OptionalInput<Keypoints> keypoints{};           ///< of the image
-  OptionalInput<Keypoints> template_keypoints{};  ///< with face and barycentrics
-  ListInput<Correspondences> correspondences{};   ///< of earlier matchers, to merge
+  OptionalInput<Keypoints> keypoints{};  ///< keypoints of the image
+  OptionalInput<Keypoints>
+      template_keypoints{};  ///< keypoints of the template with face and barycentrics
+  ListInput<Correspondences> correspondences{};  ///< matches of earlier matchers, for merging
   OptionalInput<Image> image{};
   OptionalInput<Template> templ{};
   OptionalInput<Camera> camera{};
-  OptionalInput<Shape> shape{};  ///< of an earlier solver of this frame
+  OptionalInput<Shape> shape{};  ///< shape of an earlier solver of this frame
   OptionalInput<Image> previous_image{};
-  OptionalInput<Correspondences> previous_correspondences{};  ///< with the marks of filters
-  OptionalInput<Shape> previous_shape{};                      ///< may be `lost`: see its state
+  OptionalInput<Correspondences>
+      previous_correspondences{};         ///< previous matches with the marks of filters
+  OptionalInput<Shape> previous_shape{};  ///< may be `lost`: check its state
 
   template <class Self, class Visit>
   static void slots(Self& self, Visit&& visit) {
@@ -35,8 +37,8 @@ struct MatcherInput {
   }
 };
 
-/// Role `matchers`: pairs of points of the template and of the image, all marked as kept. One pairs
-/// keypoints, unites matches, or follows those of the previous frame.
+/// Role `matchers`: pairs of template and image points, all marked as kept. A matcher pairs
+/// keypoints, merges matches, or tracks those of the previous frame.
 class Matcher : public Prepared {
  public:
   static constexpr const char* kRole = "matchers";
@@ -54,7 +56,7 @@ class Matcher : public Prepared {
   }
 };
 
-/// A matcher of keypoints that a component holds, for example to stand in for it.
+/// A nested matcher of keypoints, for example as a fallback.
 struct MatcherComponent : ComponentHandle {
   explicit MatcherComponent(const char* default_component)
       : ComponentHandle{"matchers", default_component} {}

@@ -8,18 +8,18 @@
 
 namespace weft {
 
-/// What a solver is given; also by a parent that holds one.
+/// Input of a solver, also for parents of nested solvers.
 struct SolverInput {
   Call call;
   Template templ{};
   Camera camera{};
   OptionalInput<Sightlines> sightlines{};
   OptionalInput<Correspondences> correspondences{};
-  OptionalInput<Warp> warp{};  ///< evaluate it with weft::evaluate()
+  OptionalInput<Warp> warp{};  ///< evaluate with weft::evaluate()
   OptionalInput<Image> image{};
   OptionalInput<Visibility> visibility{};
   OptionalInput<KnownPoints> known_points{};
-  OptionalInput<Shape> previous_shape{};  ///< may be `lost`: see its state
+  OptionalInput<Shape> previous_shape{};  ///< may be `lost`: check its state
 
   template <class Self, class Visit>
   static void slots(Self& self, Visit&& visit) {
@@ -40,11 +40,11 @@ namespace detail {
 /// The inputs of a call.
 using Inputs = InlineVector<weft_record, 12>;
 
-/// What another component answered; it borrows memory of the host that lives until the caller's
-/// own process() returns.
+/// Answer of another component. It borrows host memory that lives until the caller's process()
+/// returns.
 struct Answer {
-  std::span<const weft_record> outputs;
-  std::string degenerate_reason;  ///< empty unless the answer is degenerate
+  std::span<const weft_record> outputs;  ///< [.] records of the outputs
+  std::string degenerate_reason;         ///< empty unless the answer is degenerate
 
   /// The output of this type, if there is one.
   template <class RecordType>
@@ -57,7 +57,7 @@ struct Answer {
   }
 };
 
-/// Calls `component` through the host, about the frame of the call.
+/// Calls `component` through the host for the frame of the call.
 inline Result<Answer> ask(const Call& call, std::uint64_t component, int method,
                           std::span<const weft_record> inputs) {
   weft_invocation asked{};
@@ -94,7 +94,7 @@ Result<Output> invoke(const Call& call, std::uint64_t component, int method,
 
 }  // namespace detail
 
-/// Values and, up to `points.order`, derivatives of a warp, by whoever produced it.
+/// Values and, up to `points.order`, derivatives of a warp, evaluated by its producer.
 inline Result<WarpSamples> evaluate(const Call& call, const Warp& warp, const Points& points) {
   const RecordView<Warp> warp_view("warp", warp);
   const RecordView<Points> points_view("points", points);
@@ -102,13 +102,13 @@ inline Result<WarpSamples> evaluate(const Call& call, const Warp& warp, const Po
   return detail::invoke<WarpSamples>(call, warp.producer_handle, WEFT_WARP_EVALUATE, inputs);
 }
 
-/// A warp that a component holds: `WarpComponent warp_{"warps/bbs"};` and in the constructor
-/// `p.component("warp", warp_, "...")`.
+/// A nested warp: `WarpComponent warp_{"warps/bbs"};` and, in the constructor, `p.component("warp",
+/// warp_, "...")`.
 struct WarpComponent : ComponentHandle {
   explicit WarpComponent(const char* default_component)
       : ComponentHandle{"warps", default_component} {}
 
-  /// Fits the matches with kept = 1, weighted if `weights` is given.
+  /// Fits the matches with kept = 1; uses `weights` if they are given.
   Result<Warp> fit(const Call& call, const Correspondences& correspondences, const Template& templ,
                    const Weights* weights = nullptr) const {
     const RecordView<Correspondences> matches("correspondences", correspondences);
@@ -122,7 +122,7 @@ struct WarpComponent : ComponentHandle {
   }
 };
 
-/// A solver that a component holds, for example as a start.
+/// A nested solver, for example for an initial guess.
 struct SolverComponent : ComponentHandle {
   explicit SolverComponent(const char* default_component)
       : ComponentHandle{"solvers", default_component} {}

@@ -10,7 +10,7 @@
 
 namespace weft {
 
-/// What is thrown where a component uses an input that it was not given.
+/// Thrown when a component uses an input that was not delivered.
 struct NotDelivered : std::logic_error {
   using std::logic_error::logic_error;
 };
@@ -25,8 +25,8 @@ namespace detail {
 
 }  // namespace detail
 
-/// An input that a call may lack: a std::optional that is named when it is used although it is not
-/// there. Throws NotDelivered then.
+/// An optional input: a std::optional that throws NotDelivered, with the input's name, when an
+/// absent value is used.
 template <class RecordType>
 class OptionalInput : public std::optional<RecordType> {
   using Base = std::optional<RecordType>;
@@ -52,7 +52,7 @@ class OptionalInput : public std::optional<RecordType> {
   RecordType* operator->() { return &**this; }
   const RecordType& value() const { return **this; }
 
-  /// What it is called in kAbout; lives as long as the program.
+  /// Sets the name in kAbout, which lives as long as the program.
   void call_it(const char* slot) { slot_ = slot; }
 
  private:
@@ -63,7 +63,7 @@ class OptionalInput : public std::optional<RecordType> {
   const char* slot_ = "";
 };
 
-/// An input of which a call has any number, none included; likewise.
+/// An input with any number of records, including none.
 template <class RecordType>
 class ListInput : public std::vector<RecordType> {
  public:
@@ -74,7 +74,7 @@ class ListInput : public std::vector<RecordType> {
   const RecordType& front() const { return (*this)[0]; }
   const RecordType& back() const { return (*this)[this->size() - 1]; }
 
-  /// What it is called in kAbout; lives as long as the program.
+  /// Sets the name in kAbout, which lives as long as the program.
   void call_it(const char* slot) { slot_ = slot; }
 
  private:

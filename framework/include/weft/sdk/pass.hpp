@@ -12,8 +12,8 @@ struct PassInput {
   Template templ{};
   Camera camera{};
   OptionalInput<Image> image{};
-  OptionalInput<Warp> warp{};                 ///< evaluate it with weft::evaluate()
-  OptionalInput<WarpSamples> warp_samples{};  ///< at the template's vertices
+  OptionalInput<Warp> warp{};                 ///< evaluate with weft::evaluate()
+  OptionalInput<WarpSamples> warp_samples{};  ///< samples at the template's vertices
   OptionalInput<Correspondences> correspondences{};
   OptionalInput<Shape> shape{};
   OptionalInput<Visibility> visibility{};
@@ -35,16 +35,15 @@ struct PassInput {
   }
 };
 
-/// A pass fills what its About::produces names.
+/// Outputs of a pass, filled according to its About::produces.
 struct PassOutput {
-  std::optional<Sightlines> sightlines{};
-  std::optional<Visibility> visibility{};
-  std::optional<Region> region{};
-  std::optional<Registration> registration{};
+  std::optional<Sightlines> sightlines{};      ///< rays of surface points
+  std::optional<Visibility> visibility{};      ///< visible vertices
+  std::optional<Region> region{};              ///< usable part of the image
+  std::optional<Registration> registration{};  ///< displacements of texture patches
 };
 
-/// Role `passes`: prepares data for the solver from what is known of the frame, or measures its
-/// result.
+/// Role `passes`: prepares data for the solver from the data of the frame, or measures its result.
 class Pass : public Prepared {
  public:
   static constexpr const char* kRole = "passes";

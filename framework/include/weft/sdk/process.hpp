@@ -13,7 +13,7 @@
 
 namespace weft {
 
-/// What a component says of itself, as `static constexpr weft::About kAbout{...}` in its class.
+/// Properties of a component, as `static constexpr weft::About kAbout{...}` in its class.
 struct About {
   const char* reference = "";          ///< paper or standard
   const char* licence = "Apache-2.0";  ///< SPDX id of the built library
@@ -23,22 +23,22 @@ struct About {
   const char* produces = "";           ///< outputs, where the role leaves a choice
   bool random = false;                 ///< draws from the seed
   bool uses_truth = false;             ///< may read ground_truth
-  /// Where the library keeps arrays of its own, see weft/sdk/device.hpp.
+  /// Device memory of the library's arrays, see weft/sdk/device.hpp.
   const weft_device_memory* device_memory = nullptr;
 };
 
-/// The parameter that decides how strict a component is, and values of it from one end to the
-/// other, over which a plan sweeps it for a ROC curve: `static constexpr weft::Sweep
-/// kSweep{"alpha_s", {0.01, 0.1, 1}}` in its class.
+/// The parameter that determines the strictness of a component, with values that a plan sweeps for
+/// a ROC curve. Declare `static constexpr weft::Sweep kSweep{"alpha_s", {0.01, 0.1, 1}}` in the
+/// class.
 template <std::size_t Count>
 struct Sweep {
   const char* parameter;
-  double values[Count];  ///< ascending; the component need not be stricter with the larger
+  double values[Count];  ///< ascending; larger values may be less strict
 };
 template <std::size_t Count>
 Sweep(const char*, const double (&)[Count]) -> Sweep<Count>;
 
-/// Copies text into a fixed buffer, cut on a UTF-8 character boundary; NUL is escaped.
+/// Copies text into a fixed buffer, cut at a UTF-8 character boundary; NUL is escaped.
 template <std::size_t Size>
 void copy_text(char (&target)[Size], std::string_view given) {
   const std::string text = without_nul(given);
@@ -51,10 +51,10 @@ void copy_text(char (&target)[Size], std::string_view given) {
   target[length] = '\0';
 }
 
-/// What a caller hands over to be filled.
+/// An empty error for the callee to fill.
 inline constexpr weft_error kNoError{sizeof(weft_error), 0, {}, {}, {}};
 
-/// Writes an Error into the caller's buffer and returns the status that belongs to it.
+/// Writes an Error into the caller's buffer and returns its status.
 inline std::int32_t report(const Error& error, weft_error* target) {
   target->code = static_cast<std::int32_t>(error.code);
   copy_text(target->where, error.where);
@@ -65,7 +65,7 @@ inline std::int32_t report(const Error& error, weft_error* target) {
   return error.code == Errc::cancelled ? WEFT_CANCELLED : WEFT_ERROR;
 }
 
-/// One process() call: turns records into a role's typed input and its answer into records.
+/// One process() call: converts records into a role's typed input and its answer into records.
 class ProcessCall {
  public:
   ProcessCall(const weft_call& call, const weft_record* inputs, std::uint64_t count,
@@ -80,7 +80,7 @@ class ProcessCall {
     return run_with<Input>(body, [&](const auto& value) { return write(slot, value); });
   }
 
-  /// As run(), where `store(value)` writes the outputs, with write().
+  /// Like run(), except that `store(value)` writes the outputs with write().
   template <class Input, class Body, class Store>
   std::int32_t run_with(Body&& body, Store&& store) {
     Input input{Call(call_)};
@@ -117,7 +117,7 @@ class ProcessCall {
   }
 
  private:
-  /// Where the arrays of an output go.
+  /// Destination of an output's arrays.
   struct Output {
     const weft_call& call;
     const char *slot, *type;
@@ -169,7 +169,8 @@ class ProcessCall {
   weft_error* error_;
 };
 
-/// What every component but sources and templates is given once, before the first frame.
+/// Input of prepare(), which the host calls once before the first frame, except for sources and
+/// templates.
 struct PrepareInput {
   Call call;
   Template templ{};

@@ -12,19 +12,19 @@ namespace weft {
 struct RoleSlot {
   std::string name;  ///< "correspondences", "previous.shape"
   std::string type;  ///< record type, "correspondences/1"
-  bool required;     ///< in every use of the role
+  bool required;     ///< required in every use of the role
 };
 
 struct RoleMethod {
-  std::string name;
-  std::vector<RoleSlot> inputs;
-  std::vector<RoleSlot> outputs;
+  std::string name;               ///< name of the method: "read"
+  std::vector<RoleSlot> inputs;   ///< [.] consumed slots
+  std::vector<RoleSlot> outputs;  ///< [.] produced slots
 };
 
-/// What a role may consume and produces; method numbers are positions in `methods`.
+/// Inputs and outputs of a role; method numbers are positions in `methods`.
 struct Role {
-  std::string name;  ///< the folder: "filters"
-  std::vector<RoleMethod> methods;
+  std::string name;                 ///< name of the folder: "filters"
+  std::vector<RoleMethod> methods;  ///< [.] methods by number
 };
 
 namespace detail {
@@ -65,16 +65,16 @@ RoleMethod role_method(const char* name, std::vector<RoleSlot> outputs) {
   return method;
 }
 
-/// The base of all roles but sources and templates: they are prepared once.
+/// Base of the roles that are prepared once: all roles except sources and templates.
 class Prepared {
  public:
   static constexpr About kAbout{};
   virtual ~Prepared() = default;
-  /// Called once before the first frame: files, devices and checks across parameters belong here.
+  /// Called once before the first frame, for files, devices and checks across parameters.
   virtual Result<void> prepare(const PrepareInput& /*in*/) { return {}; }
 };
 
-/// An input without slots, for calls that need none.
+/// An input without slots, for calls without inputs.
 struct EmptyInput {
   Call call;
 

@@ -13,8 +13,8 @@
 
 namespace weft {
 
-/// All roles, in the order in which data flow through them: method, what it consumes -> produces.
-/// An asterisk marks what is required in, or produced by, every use; see docs/records.md.
+/// All roles, in the order of the data flow: method, inputs -> outputs. An asterisk marks inputs
+/// and outputs of every use; see docs/records.md.
 ///   sources open: -> camera*
 ///   sources count: -> count*
 ///   sources read: -> image, time, known_points, ground_truth, correspondences, region

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <weft/core/wish.hpp>
+#include <weft/core/change_request.hpp>
 #include <weft/sdk/export.hpp>
 #include <weft/sdk/nested.hpp>
 #include <weft/sdk/role.hpp>
 
 namespace weft {
 
-/// Everything known of a frame; a sink gets what its About names in `needs` and `reads`.
+/// All data of a frame. A sink gets those in `needs` and `reads` of its About.
 struct SinkInput {
   Call call;
   OptionalInput<Image> image{};
@@ -21,10 +21,10 @@ struct SinkInput {
   OptionalInput<WarpSamples> warp_samples{};
   OptionalInput<Sightlines> sightlines{};
   OptionalInput<Visibility> visibility{};
-  OptionalInput<Shape> shape{};  ///< `predicted` and `lost` ones too; see its state
+  OptionalInput<Shape> shape{};  ///< includes `predicted` and `lost` shapes: check its state
   OptionalInput<GroundTruth> ground_truth{};
   OptionalInput<FrameReport> frame_report{};
-  OptionalInput<RunSettings> run_settings{};  ///< as they hold for this frame
+  OptionalInput<RunSettings> run_settings{};  ///< settings that apply to this frame
 
   template <class Self, class Visit>
   static void slots(Self& self, Visit&& visit) {
@@ -45,10 +45,10 @@ struct SinkInput {
   }
 };
 
-/// Role `sinks`: files, windows and streams. A killed run must leave readable files: write
-/// numbered files under a temporary name and rename them. One at which somebody may steer the run
-/// also has `std::vector<Wish> take_wishes()` and `void answer(const WishAnswer&)`: from any
-/// thread, also beside write().
+/// Role `sinks`: files, windows and streams. A killed run must leave readable files: write numbered
+/// files under a temporary name and rename them. A sink that steers the run also implements
+/// `std::vector<ChangeRequest> take_change_requests()` and `void answer(const ChangeAnswer&)`. The
+/// host calls both from any thread, also during write().
 class Sink : public Prepared {
  public:
   static constexpr const char* kRole = "sinks";
@@ -56,7 +56,7 @@ class Sink : public Prepared {
   virtual Result<void> open(const Call& call) = 0;
   /// Called for each frame, in frame order.
   virtual Result<void> write(const SinkInput& in) = 0;
-  /// Called once, after the last frame, also when the run failed.
+  /// Called once, after the last frame, also if the run failed.
   virtual Result<void> finish(const Call& call) = 0;
 
   static constexpr std::uint64_t kMethods = 0b111;

@@ -9,11 +9,11 @@
 
 namespace weft {
 
-/// Role `solvers`: the 3D shape of the template's mesh in the camera frame, in metres, and its
-/// confidence. SolverInput is in weft/sdk/nested.hpp. Whether a shape is `estimated` or `weak` is
-/// told here by one rule for all solvers, state_of() in weft/geometry/shape_evidence.hpp; what a
-/// solver calls weak itself stays so. The evidence is in `diag.agreeing_matches`,
-/// `diag.kept_matches` and `diag.agreeing_coverage`.
+/// Role `solvers`: the 3D shape of the template's mesh in the camera frame, in metres, with a
+/// confidence. SolverInput is in weft/sdk/nested.hpp. state_of() in
+/// weft/geometry/shape_evidence.hpp decides between `estimated` and `weak` for all solvers. A state
+/// `weak` from a solver is kept. The evidence is in `diag.agreeing_matches`, `diag.kept_matches`
+/// and `diag.agreeing_coverage`.
 class Solver : public Prepared {
  public:
   static constexpr const char* kRole = "solvers";

@@ -7,33 +7,33 @@
 
 namespace weft {
 
-/// What a source knows of one frame.
+/// Data of one frame from a source.
 struct SourceFrame {
-  std::optional<Image> image{};
-  std::optional<Time> time{};
-  std::optional<KnownPoints> known_points{};
-  std::optional<GroundTruth> ground_truth{};
-  std::optional<Correspondences> correspondences{};
-  std::optional<Region> region{};
+  std::optional<Image> image{};                      ///< undistorted image
+  std::optional<Time> time{};                        ///< capture time
+  std::optional<KnownPoints> known_points{};         ///< points with known positions
+  std::optional<GroundTruth> ground_truth{};         ///< true positions
+  std::optional<Correspondences> correspondences{};  ///< matches with the template
+  std::optional<Region> region{};                    ///< usable part of the image
 };
 
-/// Role `sources`: frames, the camera that took them, and truth where it is known. Images are
-/// undistorted here, so that everybody sees an ideal pinhole.
+/// Role `sources`: frames, their camera and, if known, the ground truth. Sources undistort the
+/// images, so that all components see an ideal pinhole camera.
 class Source {
  public:
   static constexpr const char* kRole = "sources";
   static constexpr About kAbout{};
   virtual ~Source() = default;
 
-  /// Opens files or devices; returns the camera of the undistorted frames.
+  /// Opens files or devices and returns the camera of the undistorted frames.
   virtual Result<Camera> open(const Call& call) = 0;
-  /// Number of frames, -1 when unknown.
+  /// Number of frames; -1 if unknown.
   virtual std::int64_t count() const = 0;
-  /// Whether frames come by themselves, as those of a camera do: `read` waits for the next one, and
-  /// one that is not read in time is lost. Asked after `open`.
+  /// Returns whether frames arrive on their own, as from a camera: `read` waits for the next frame
+  /// and a frame not read in time is lost. Called after `open`.
   virtual bool live() const { return false; }
-  /// Frame `index`, from 0. A frame that cannot be read is an error of that frame only;
-  /// no_more_frames() is the end.
+  /// Reads frame `index`, from 0. An unreadable frame is an error of that frame only;
+  /// no_more_frames() ends the source.
   virtual Result<SourceFrame> read(std::int64_t index, const Call& call) = 0;
 
   static constexpr std::uint64_t kMethods = 0b111;
@@ -73,7 +73,7 @@ class Source {
   }
 };
 
-/// A source that a component holds, to make other frames out of its frames.
+/// A nested source, for components that derive other frames from its frames.
 struct SourceComponent : ComponentHandle {
   explicit SourceComponent(const char* default_component)
       : ComponentHandle{"sources", default_component} {}
@@ -81,11 +81,11 @@ struct SourceComponent : ComponentHandle {
   Result<Camera> open(const Call& call) const {
     return detail::invoke<Camera>(call, handle, WEFT_SOURCE_OPEN, {});
   }
-  /// Number of frames, -1 when unknown, and whether they come by themselves.
+  /// Number of frames, -1 if unknown, and whether they arrive on their own.
   Result<Count> count(const Call& call) const {
     return detail::invoke<Count>(call, handle, WEFT_SOURCE_COUNT, {});
   }
-  /// What it knows of the frame that the call is about.
+  /// Data of the frame of the call.
   Result<SourceFrame> read(const Call& call) const {
     const auto answer = detail::ask(call, handle, WEFT_SOURCE_READ, {});
     if (!answer) return answer.error();

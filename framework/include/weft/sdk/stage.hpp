@@ -26,7 +26,7 @@ struct OutputRecord<std::optional<T>> {
 };
 
 template <class Member>
-struct ElementOf {  ///< of what is no array of the record type's own: named arrays, diagnostics
+struct ElementOf {  ///< for arrays outside the record type: named arrays and diagnostics
   static constexpr std::int32_t kDtype = 0;
 };
 template <class T>
@@ -43,7 +43,7 @@ struct ElementOf<std::string> {
   static constexpr std::int32_t kDtype = WEFT_U8;
 };
 
-/// Tells the host of each array of a vendor's record type; it knows its own.
+/// Declares each array of a vendor's record type to the host, which already has its own types.
 template <class RecordType>
 void describe_record(const weft_describe* sink) {
   if constexpr (is_vendor_record(RecordType::kType)) {
@@ -76,11 +76,11 @@ inline bool names(std::string_view list, std::string_view wanted) {
 
 }  // namespace detail
 
-/// Role `stages`: what fits no other role, with inputs and outputs of its own choice. Both are
-/// structs with slots, as weft::PassInput is; a member of Output may be a std::optional. A slot is
-/// called as that of another role's input, "image", or as a record type of a vendor without its
-/// version, "acme.depth" of "acme.depth/1"; before either may stand "previous.". It makes records
-/// of vendors, and what passes make. kAbout names all of its slots.
+/// Role `stages`: components that fit no other role, with their own choice of inputs and outputs.
+/// Both are structs with slots, like weft::PassInput; a member of Output may be a std::optional. A
+/// slot has the name of another role's input, "image", or of a vendor's record type without
+/// version, "acme.depth" for "acme.depth/1". The prefix "previous." is allowed. The role produces
+/// vendor records and the outputs of passes. kAbout lists all of its slots.
 template <class Input, class Output>
 class Stage : public Prepared {
  public:
@@ -109,8 +109,8 @@ class Stage : public Prepared {
                                 });
   }
 
-  /// The arrays of its vendor's record types. Fails where kAbout does not say of a slot what the
-  /// structs say.
+  /// Declares the arrays of its vendor record types. Fails if kAbout and the structs disagree about
+  /// a slot.
   static Result<void> describe_slots(const weft_describe* sink, const About& about) {
     const weft_call no_call{};
     Input input{Call(no_call)};

@@ -26,7 +26,7 @@ class TemplateBuilder {
   }
 };
 
-/// A template that a component holds, for example as the object that a source simulates.
+/// A nested template, for example of the object that a source simulates.
 struct TemplateComponent : ComponentHandle {
   explicit TemplateComponent(const char* default_component)
       : ComponentHandle{"templates", default_component} {}

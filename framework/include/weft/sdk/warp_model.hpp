@@ -8,9 +8,9 @@ namespace weft {
 
 struct FitInput {
   Call call;
-  Correspondences correspondences{};  ///< only those with kept = 1 count
+  Correspondences correspondences{};  ///< only matches with kept = 1 count
   Template templ{};
-  OptionalInput<Weights> weights{};  ///< per match, 1 when absent
+  OptionalInput<Weights> weights{};  ///< weight per match; 1 if absent
 
   template <class Self, class Visit>
   static void slots(Self& self, Visit&& visit) {
@@ -32,8 +32,8 @@ struct EvaluateInput {
   }
 };
 
-/// Role `warps`: a smooth map from the template's texture to the image. evaluate() depends on the
-/// record only, never on what was fitted before.
+/// Role `warps`: a smooth map from the template's texture to the image. evaluate() depends only on
+/// the record, never on earlier fits.
 class WarpModel : public Prepared {
  public:
   static constexpr const char* kRole = "warps";

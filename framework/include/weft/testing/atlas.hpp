@@ -10,8 +10,8 @@
 
 namespace weft::testing {
 
-/// Moves a template's texture into a larger picture of width_px x height_px, its first pixel to
-/// `corner_px` (u, v, whole numbers); of the rest nothing belongs to the object.
+/// Moves a template's texture into a larger image of width_px x height_px, with its first pixel at
+/// `corner_px` (u, v, integers). The mask of the remaining pixels is 0.
 inline void put_in_atlas(Template& templ, std::int64_t width_px, std::int64_t height_px,
                          const Eigen::RowVector2d& corner_px) {
   const std::int64_t rows = templ.texture.dim(0), columns = templ.texture.dim(1);

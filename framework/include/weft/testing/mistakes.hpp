@@ -6,9 +6,9 @@
 
 namespace weft::testing {
 
-/// What a component says of its parameters before anything runs: "parameter: message". Plugins are
-/// those in WEFT_PLUGIN_PATH, `params` is YAML with absolute paths. Throws std::runtime_error with
-/// what is wrong before the component is asked.
+/// Errors that a component finds in its parameters before a run, as "parameter: message". Plugins
+/// come from WEFT_PLUGIN_PATH; `params` is YAML with absolute paths. Throws std::runtime_error if
+/// the component cannot be created.
 std::vector<std::string> mistakes_of(const std::string& id, const std::string& params);
 
 }  // namespace weft::testing

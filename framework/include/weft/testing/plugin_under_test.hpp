@@ -13,31 +13,30 @@
 #include <weft/data/camera.hpp>
 #include <weft/data/template.hpp>
 #include <weft/data/warp.hpp>
-#include <weft/testing/held_record.hpp>
+#include <weft/testing/host_record.hpp>
 
 namespace weft::testing {
 
 /// A record struct as an input of a call.
 struct Input {
   std::string slot;
-  HeldRecord record;
+  HostRecord record;
 };
 
-/// It copies the struct.
+/// Copies the struct.
 template <class RecordType>
 Input input(const char* slot, const RecordType& typed) {
   return {slot, hold(typed)};
 }
 
-/// What a component answered to a call. Record structs got from it live as long as the
-/// PluginUnderTest, or until it forgets.
+/// Answer of a component to a call. Record structs from it live as long as the PluginUnderTest, or
+/// until forget().
 struct PluginAnswer {
   weft_status status = WEFT_OK;
-  Errc code = {};  ///< unless all is well
-  std::string message;
-  std::string
-      where;  ///< what an error is about, such as a file; the component where it says nothing
-  std::vector<std::pair<std::string, HeldRecord>> outputs;
+  Errc code = {};       ///< set unless the call succeeded
+  std::string message;  ///< reason of an error or of a degenerate answer
+  std::string where;    ///< subject of an error, such as a file; else the component
+  std::vector<std::pair<std::string, HostRecord>> outputs;  ///< [.] slot and record of each output
 
   /// The first output of this type, if there is one.
   template <class RecordType>
@@ -57,11 +56,11 @@ struct PluginAnswer {
   }
 };
 
-/// One component, loaded and called as the host does: through the contract, from the plugins in
-/// WEFT_PLUGIN_PATH.
+/// One component, loaded from the plugins in WEFT_PLUGIN_PATH and called through the contract, as
+/// by the host.
 class PluginUnderTest {
  public:
-  /// `params` as YAML: "{alpha_s: 0.2, warp: {use: warps/bbs}}"; input paths must be absolute.
+  /// `params` is YAML: "{alpha_s: 0.2, warp: {use: warps/bbs}}"; input paths must be absolute.
   /// Throws std::runtime_error with the refusal.
   explicit PluginUnderTest(const std::string& id, const std::string& params = "{}",
                            std::uint64_t run_seed = 1);
@@ -71,14 +70,14 @@ class PluginUnderTest {
   PluginAnswer process(int method, const std::vector<Input>& inputs, std::uint64_t frame = 0);
   PluginAnswer evaluate(const Warp& warp, const Points& points);
 
-  /// Set from any thread to make the component stop.
+  /// Set it from any thread to cancel the component.
   std::atomic<bool>& cancel();
 
-  /// Asked, from any thread, as often as the component asks whether to stop: it stops while it says
-  /// so. Null for nobody.
+  /// Sets a function that is called, from any thread, for each cancellation check of the component;
+  /// true cancels. Null removes it.
   void watch(std::function<bool()> cancelled);
 
-  /// Lets go of all answers so far, for tests of many frames.
+  /// Releases all answers so far, for tests of many frames.
   void forget();
 
  private:

@@ -9,12 +9,12 @@ namespace weft::testing {
 
 struct DrawnDeformation {
   Points3 vertices_m;       ///< [V,3] m, camera frame
-  double max_strain = 0.0;  ///< [] of an edge
-  int draws = 0;            ///< [] this one included
+  double max_strain = 0.0;  ///< [] largest edge strain |l / l0 - 1|
+  int draws = 0;            ///< [] number of draws, including this one
 };
 
-/// The first accepted deformation of a template made by make_template(sheet). no_result when
-/// max_draws is used up.
+/// The first accepted deformation of a template from make_template(sheet). Returns no_result after
+/// max_draws.
 Result<DrawnDeformation> draw_deformation(const SheetSpec& sheet, const Camera& camera, Rng& rng,
                                           const RandomDeformationSpec& spec = {});
 

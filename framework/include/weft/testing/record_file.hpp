@@ -6,20 +6,20 @@
 #include <string>
 #include <utility>
 #include <vector>
-#include <weft/testing/held_record.hpp>
+#include <weft/testing/host_record.hpp>
 
 namespace weft::testing {
 
-/// Writes one record into a file of records (npz). Throws std::runtime_error with the reason.
-void write_record_file(const std::string& file, const char* slot, HeldRecord record);
+/// Writes one record into a record file (npz). Throws std::runtime_error with the reason.
+void write_record_file(const std::string& file, const char* slot, HostRecord record);
 
-/// The same of a record struct.
+/// Writes a record struct into a record file.
 template <class RecordType>
 void write_record_file(const std::string& file, const char* slot, const RecordType& typed) {
   write_record_file(file, slot, hold(typed));
 }
 
-/// A file of records, checked against the catalogue.
+/// A record file, checked against the catalogue.
 class RecordFile {
  public:
   /// Throws std::runtime_error with the reason.
@@ -27,7 +27,7 @@ class RecordFile {
 
   std::size_t count() const { return records_.size(); }
 
-  /// The first record of this type, if there is one; it borrows from this.
+  /// The first record of this type, if there is one; it borrows from this object.
   template <class RecordType>
   std::optional<RecordType> get() const {
     for (const auto& [slot, record] : records_) {
@@ -37,7 +37,7 @@ class RecordFile {
   }
 
  private:
-  std::vector<std::pair<std::string, HeldRecord>> records_;
+  std::vector<std::pair<std::string, HostRecord>> records_;
 };
 
 }  // namespace weft::testing

@@ -7,42 +7,46 @@
 
 namespace weft::testing {
 
-/// How a component did.
+/// Results of a contract check.
 struct ContractReport {
-  int checks = 0;                         ///< [] that were made
-  std::vector<std::string> failures;      ///< "with 0 matches: says ok and keeps no match"
-  std::vector<std::string> deviations;    ///< the same, of checks that may fail
-  std::vector<std::string> inapplicable;  ///< checks that say nothing of it: "image scaled: why"
-  std::string skipped;                    ///< why nothing was checked; empty where it was
+  int checks = 0;  ///< [] number of checks
+  std::vector<std::string>
+      failures;  ///< failures, such as "with 0 matches: says ok and keeps no match"
+  std::vector<std::string> deviations;    ///< failures of checks that are allowed to fail
+  std::vector<std::string> inapplicable;  ///< checks that do not apply: "image scaled: why"
+  std::string skipped;                    ///< reason why nothing was checked; empty otherwise
 };
 
-/// What a component is checked with.
+/// Options of a contract check.
 struct ContractOptions {
   std::string params = "{}";                 ///< YAML; paths are relative to the working directory
-  std::vector<std::string> deviations = {};  ///< checks that may fail: "with 0 matches"
-  std::vector<std::string> plugin_folders = {};  ///< searched before those of WEFT_PLUGIN_PATH
-  bool geometry = false;  ///< also that answers follow scenes that move, and exact matches
-  std::function<void(const std::string& what)> watch = {};  ///< told before each check what it is
+  std::vector<std::string> deviations = {};  ///< checks that are allowed to fail: "with 0 matches"
+  std::vector<std::string> plugin_folders =
+      {};                 ///< folders searched before those of WEFT_PLUGIN_PATH
+  bool geometry = false;  ///< also checks that answers follow moving scenes and exact matches
+  std::function<void(const std::string& what)> watch =
+      {};  ///< called before each check with its name
 };
 
-/// All synthetic inputs of the contract are drawn from it.
+/// Seed of all synthetic inputs of the contract check.
 inline constexpr int kContractSeed = 1;
 
-/// Calls one component as the host does, and checks what it owes whoever calls it: its manifest,
-/// usual and degenerate inputs, the same answer fresh and warm, cancelling, and what its role
-/// promises of outputs. Failures are in the report, those of finding the component too.
+/// Calls one component as the host does and checks its manifest and its answers to usual and
+/// degenerate inputs. It also checks that fresh and warm instances answer alike, cancellation, and
+/// the output guarantees of the role. Failures are in the report, including a component that cannot
+/// be found.
 ContractReport check_role_contract(const std::string& id, const ContractOptions& options = {});
 
-/// Inputs of the contract can only be read, and only while a call runs. Says what a component did
-/// to one that faulted at an address, "wrote into its input " or "went beyond the end of its input
-/// ", and which it was, "correspondences/kept"; nulls where that is no input. For handlers of
-/// signals.
+/// Describes an illegal access to an input of a contract check, for signal handlers. Inputs are
+/// read-only and valid only during a call. `deed` is "wrote into its input " or "went beyond the
+/// end of its input "; `input` is the input, such as "correspondences/kept". Both are null if the
+/// address is not in an input.
 struct SpoiltInput {
-  const char *deed, *input;
+  const char *access, *input;
 };
 SpoiltInput spoilt_input_at(const void* address);
 
-/// Ids of the components in a manifest. Throws std::runtime_error where it cannot be read.
+/// Ids of the components in a manifest. Throws std::runtime_error if it cannot be read.
 std::vector<std::string> components_in(const std::string& manifest_file);
 
 }  // namespace weft::testing

@@ -17,11 +17,11 @@
 
 namespace weft {
 
-/// What the truth says of one match.
+/// Labels of matches by ground truth.
 inline constexpr std::int8_t kUnknownMatch = -1, kMismatch = 0, kCorrectMatch = 1;
 
-/// Whether the truth has an entry for each of these matches: they come from the source itself,
-/// hence from no keypoints, and not by way of a stage that changed their number.
+/// Returns whether the truth has an entry for each match. This is the case for matches of the
+/// source itself, unless a stage changed their number.
 inline bool has_own_truth(const Correspondences& matches, const TruthMap& truth) {
   const auto entries =
       std::max<std::int64_t>(truth.match_xy_px().rows(), std::ssize(truth.match_labels()));
@@ -30,8 +30,8 @@ inline bool has_own_truth(const Correspondences& matches, const TruthMap& truth)
 
 namespace detail {
 
-/// What the truth says of the source's own match n: whether it is near its true image, or else the
-/// label that it was given.
+/// Label of the source's match n: by the distance from its true image, else the label that the
+/// source gave.
 inline std::int8_t own_label(const Correspondences& matches, const TruthMap& truth, std::int64_t n,
                              double tolerance_px) {
   if (n < truth.match_xy_px().rows() && truth.match_xy_px().row(n).allFinite()) {
@@ -47,10 +47,11 @@ inline std::int8_t own_label(const Correspondences& matches, const TruthMap& tru
 
 }  // namespace detail
 
-/// One label a match (p, q): correct where |W(p) - q| < tolerance_px, W(p) being the true image of
-/// p: of the source's own matches its truth's, or the label that it has where their true image is
-/// not known, else the projection of the true place of p. A match of a hidden point is a mismatch;
-/// unknown is what lies beside the truth, is not finite, or has a template without m_per_px.
+/// One label per match (p, q): inlier if |W(p) - q| < tolerance_px, where W(p) is the true image of
+/// p. For the source's matches, W(p) comes from their truth, or else the given label applies. For
+/// other matches, W(p) is the projection of the true position of p. A match of a hidden point is an
+/// outlier. A match beside the truth, with non-finite values or of a template without m_per_px is
+/// unknown.
 inline std::vector<std::int8_t> label_matches(const Correspondences& matches, const TruthMap& truth,
                                               const Template& templ, const Pinhole& camera,
                                               double tolerance_px) {

@@ -14,22 +14,21 @@
 
 namespace weft {
 
-/// Interpolates points in space between scattered places of the plane (Levin 1998).
-///
-/// X(p) is the constant term of a quadratic in p_i - p, fitted to the 16 nearest places with the
-/// weights exp(-|p_i - p|^2 / h^2), h the median of these distances. Fewer than 10 places give an
-/// affine fit, fewer than 4 nothing.
+/// Interpolates 3D points between scattered positions of the plane (Levin 1998). X(p) is the
+/// constant term of a quadratic in p_i - p, fitted to the 16 nearest positions. The weights are
+/// exp(-|p_i - p|^2 / h^2), with h the median of these distances. Fewer than 10 positions give an
+/// affine fit, fewer than 4 none.
 class MovingLeastSquares {
  public:
-  /// Copies the places [T,2] and their points [T,3], both in m.
+  /// Copies the positions [T,2] and their points [T,3], both in m.
   MovingLeastSquares(const Points2View& xy_m, const Points3View& points_m)
       : xy_m_(xy_m), points_m_(points_m) {
     if (xy_m_.rows() == 0) return;
     reach_m_ = kReachShare * (xy_m_.colwise().maxCoeff() - xy_m_.colwise().minCoeff()).norm();
   }
 
-  /// Nothing where no places lie on all sides of `xy_m`, or only some that are further away than a
-  /// fifth of what the places span. The place `without` takes no part; -1 for none.
+  /// Nothing if no positions surround `xy_m`, or if the surrounding ones are farther than a fifth
+  /// of the extent of all. The position `without` is excluded; -1 for none.
   std::optional<Eigen::Vector3d> at(const Eigen::Vector2d& xy_m, Eigen::Index without = -1) const {
     const std::vector<Neighbour> near = neighbours(xy_m, without);
     const auto count = static_cast<Eigen::Index>(near.size());
@@ -51,7 +50,7 @@ class MovingLeastSquares {
       }
       if (d.norm() > 1e-9) angles_rad.push_back(std::atan2(d.y(), d.x()));
     }
-    // A place itself needs no others around it.
+    // A data position needs no others around it.
     const bool on_a_place = near.front().distance_m < 1e-6 * h_m;
     if (!on_a_place && !surround(std::move(angles_rad))) return std::nullopt;
     const Eigen::LDLT<Matrix6> solver(normal);
@@ -66,16 +65,17 @@ class MovingLeastSquares {
  private:
   static constexpr Eigen::Index kNearest = 16, kForQuadratic = 10, kForAffine = 4;
   static constexpr double kReachShare = 0.2;
-  static constexpr double kLeastPivot = 1e-12;  ///< of the largest; below, the fit is not unique
+  static constexpr double kLeastPivot =
+      1e-12;  ///< relative to the largest; below, the fit is not unique
 
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
   struct Neighbour {
-    Eigen::Index index;
-    double distance_m;
+    Eigen::Index index;  ///< [] index of the position
+    double distance_m;   ///< [] m, distance in the plane
   };
 
-  /// The nearest places within reach, the nearest first.
+  /// The nearest positions within reach, in ascending distance.
   std::vector<Neighbour> neighbours(const Eigen::Vector2d& xy_m, Eigen::Index without) const {
     std::vector<Neighbour> near;
     worked(xy_m_.rows());
@@ -91,7 +91,8 @@ class MovingLeastSquares {
     return near;
   }
 
-  /// Whether directions leave no gap of more than half a turn, as those on a border do not.
+  /// Returns whether directions leave no gap of more than half a turn, as around a point inside the
+  /// data.
   static bool surround(std::vector<double> angles_rad) {
     if (angles_rad.size() < 3) return false;
     std::sort(angles_rad.begin(), angles_rad.end());

@@ -19,18 +19,18 @@
 
 namespace weft {
 
-/// Where a point of the template truly is.
+/// True position of a template point.
 struct TruePlace {
   Eigen::Vector3d point_m;  ///< [3] m, camera frame
-  bool hidden = false;      ///< the camera sees no corner of the face that it lies in
+  bool hidden = false;      ///< true if the camera sees no corner of its face
 };
 
-/// The truth of one frame at any point of the template: on the faces of the true surface, where the
-/// truth has some, barycentric interpolation; else moving least squares between the true points,
-/// of which none is known to be hidden.
+/// The truth of one frame at any template point: barycentric interpolation on the faces of the true
+/// surface, if there are any. Otherwise moving least squares between the true points, none of which
+/// is known to be hidden.
 class TruthMap {
  public:
-  /// Copies what it needs. Fails with invalid_data where the faces are no mesh over the points.
+  /// Copies the data. Fails with invalid_data if the faces are not a valid mesh over the points.
   static Result<TruthMap> create(const GroundTruth& truth) {
     TruthMap map(truth);
     if (!truth.faces.present()) return map;
@@ -43,8 +43,8 @@ class TruthMap {
     return map;
   }
 
-  /// The place of the point at template_xy_m = `xy_m`, m. Nothing beside the surface, or where true
-  /// points without a surface do not surround it.
+  /// The true position of the point with template_xy_m = `xy_m`, in m. Nothing beside the surface,
+  /// or if true points without a surface do not surround it.
   std::optional<TruePlace> at(const Eigen::Vector2d& xy_m) const {
     if (!locator_) {
       const auto point_m = points_.at(xy_m);
@@ -56,8 +56,8 @@ class TruthMap {
                      hidden(location.face)};
   }
 
-  /// How well true points are predicted by the others, [] px: the median over about 100 of them;
-  /// NaN where none can be, and for a surface, which needs no prediction.
+  /// Leave-one-out error of the true points in px: the median over about 100 of them. NaN if it
+  /// cannot be computed, and for a surface, which needs no interpolation.
   double leave_one_out_px(const Pinhole& camera) const {
     constexpr Eigen::Index kPredicted = 100;
     if (locator_) return std::numeric_limits<double>::quiet_NaN();
@@ -73,10 +73,10 @@ class TruthMap {
     return median(errors_px);
   }
 
-  /// True images of the source's own matches [N,2] px, NaN where unknown; empty without any.
+  /// True images of the source's matches [N,2] px; NaN where unknown; empty without matches.
   const Points2& match_xy_px() const { return match_xy_px_; }
 
-  /// What is said of the source's own matches, [N]: 1 correct, 0 mismatch, else unknown; or empty.
+  /// Labels of the source's matches [N]: 1 inlier, 0 outlier, else unknown; may be empty.
   const std::vector<std::int8_t>& match_labels() const { return match_labels_; }
 
  private:
@@ -99,7 +99,7 @@ class TruthMap {
 
   MovingLeastSquares points_;
   Faces faces_;
-  std::vector<std::uint8_t> visible_;  ///< [T] or empty
+  std::vector<std::uint8_t> visible_;  ///< [T] 1 where visible, or empty
   std::optional<FaceLocator> locator_;
   Points2 match_xy_px_;
   std::vector<std::int8_t> match_labels_;

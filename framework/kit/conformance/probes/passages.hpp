@@ -71,7 +71,7 @@ class WalledHost final : public OtherHost {
  private:
   struct Room {
     void* of_host;
-    std::size_t bytes;
+    std::size_t bytes;              ///< [bytes] requested size
     std::vector<std::byte> memory;  ///< with a wall behind what was asked for
     std::byte* begin;
   };

@@ -94,9 +94,9 @@ class MyPluginDetector final : public weft::Detector {
 
   explicit MyPluginDetector(weft::Params& p) {
     p.read("cell_px", cell_px_, "px", {4, 1000},
-           "the best corner of each square of this side is a keypoint");
+           "side of the squares in which the best corner becomes a keypoint");
     p.read("least_contrast", least_contrast_, "grey levels per px", {0, 255},
-           "corners that change less along any direction are none");
+           "minimum change of grey level along every direction at a corner");
   }
 
   weft::Result<weft::Keypoints> detect(const weft::DetectorInput& in) override {
@@ -169,4 +169,4 @@ class MyPluginDetector final : public weft::Detector {
 }  // namespace
 
 WEFT_PLUGIN(MyPluginDetector, "detectors/my_plugin", "1.0.0",
-            "Finds the best corner of each square of the image.")
+            "Detects the best corner of each square of the image.")

@@ -44,7 +44,7 @@ class MyPluginFilter final : public weft::Filter {
 
   explicit MyPluginFilter(weft::Params& p) {
     p.read("tolerance_px", tolerance_px_, "px", {0, 1000},
-           "kept if so near to where the affine map puts it");
+           "maximum distance of a kept match from the affine map");
   }
 
   weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
@@ -88,4 +88,4 @@ class MyPluginFilter final : public weft::Filter {
 }  // namespace
 
 WEFT_PLUGIN(MyPluginFilter, "filters/my_plugin", "1.0.0",
-            "Keeps matches that lie where one affine map of the template puts them.")
+            "Keeps matches that agree with one affine map of the template.")

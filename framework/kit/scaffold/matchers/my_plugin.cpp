@@ -51,7 +51,7 @@ class MyPluginMatcher final : public weft::Matcher {
 
   explicit MyPluginMatcher(weft::Params& p) {
     p.read("ratio", ratio_, "", {0.01, 1},
-           "kept if the distance is below this times that to the second nearest");
+           "maximum ratio of the nearest to the second nearest descriptor distance");
   }
 
   weft::Result<weft::Correspondences> match(const weft::MatcherInput& in) override {
@@ -139,4 +139,4 @@ class MyPluginMatcher final : public weft::Matcher {
 }  // namespace
 
 WEFT_PLUGIN(MyPluginMatcher, "matchers/my_plugin", "1.0.0",
-            "Matches keypoints that are each other's nearest, with Lowe's ratio test.")
+            "Matches mutually nearest keypoints with Lowe's ratio test.")

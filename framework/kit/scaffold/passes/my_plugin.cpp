@@ -30,7 +30,7 @@ class MyPluginPass final : public weft::Pass {
   static constexpr weft::About kAbout{.needs = "correspondences", .produces = "sightlines"};
 
   explicit MyPluginPass(weft::Params& p) {
-    p.read("fewest", fewest_, "", {3, 1000000}, "with fewer sightlines there is no result");
+    p.read("fewest", fewest_, "", {3, 1000000}, "minimum number of sightlines for a result");
   }
 
   weft::Result<weft::PassOutput> run(const weft::PassInput& in) override {
@@ -81,5 +81,4 @@ class MyPluginPass final : public weft::Pass {
 
 }  // namespace
 
-WEFT_PLUGIN(MyPluginPass, "passes/my_plugin", "1.0.0",
-            "Puts the place of each kept match on the ray of its pixel.")
+WEFT_PLUGIN(MyPluginPass, "passes/my_plugin", "1.0.0", "Gives the sightline of each kept match.")

@@ -22,7 +22,8 @@ class MyPluginSink final : public weft::Sink {
 
   explicit MyPluginSink(weft::Params& p) {
     p.output_path("path", path_, "folder of the tables");
-    p.read("measured_only", measured_only_, "leave out frames whose shape is an older one");
+    p.read("measured_only", measured_only_,
+           "omission of frames whose shape is carried over from an earlier frame");
   }
 
   weft::Result<void> open(const weft::Call& /*call*/) override {

@@ -73,7 +73,7 @@ class MyPluginSolver final : public weft::Solver {
       .needs = "sightlines"};
 
   explicit MyPluginSolver(weft::Params& p) {
-    p.read("rounds", rounds_, "", {1, 100000}, "most rounds of the search for the pose");
+    p.read("rounds", rounds_, "", {1, 100000}, "maximum number of iterations of the pose search");
   }
 
   weft::Result<weft::Shape> solve(const weft::SolverInput& in) override {
@@ -142,4 +142,4 @@ class MyPluginSolver final : public weft::Solver {
 }  // namespace
 
 WEFT_PLUGIN(MyPluginSolver, "solvers/my_plugin", "1.0.0",
-            "The template at rest, placed as a rigid body.")
+            "Fits the template at rest as a rigid body.")

@@ -32,10 +32,11 @@ class MyPluginSource final : public weft::Source {
 
   explicit MyPluginSource(weft::Params& p) {
     p.read("frames", frames_, "", {1, 1000000}, "number of frames");
-    p.read("bend_per_m", bend_per_m_, "1/m", {0, 10}, "curvature of the sheet in the last frame");
+    p.read("bend_per_m", bend_per_m_, "1/m", {0, 10}, "curvature of the surface in the last frame");
     p.read("distance_m", distance_m_, "m", {0.1, 100},
-           "from the camera to the middle of the sheet");
-    p.read("noise_px", noise_px_, "px", {0, 1000}, "sigma along u and v of the image points");
+           "distance from the camera to the centre of the surface");
+    p.read("noise_px", noise_px_, "px", {0, 1000},
+           "standard deviation, along u and v, of the image points");
   }
 
   weft::Result<weft::Camera> open(const weft::Call& /*call*/) override { return kCamera; }
@@ -92,5 +93,6 @@ class MyPluginSource final : public weft::Source {
 
 }  // namespace
 
-WEFT_PLUGIN(MyPluginSource, "sources/my_plugin", "1.0.0",
-            "Matches of a sheet that is rolled ever more tightly, with exact truth.")
+WEFT_PLUGIN(
+    MyPluginSource, "sources/my_plugin", "1.0.0",
+    "Generates matches of a surface that is rolled ever more tightly, with exact ground truth.")

@@ -31,8 +31,10 @@ class MyPluginStage final : public weft::Stage<MyPluginInput, MyPluginOutput> {
   static constexpr weft::About kAbout{.needs = "image", .produces = "region"};
 
   explicit MyPluginStage(weft::Params& p) {
-    p.read("darkest", darkest_, "grey levels", {0, 255}, "darker pixels are left out");
-    p.read("brightest", brightest_, "grey levels", {0, 255}, "brighter pixels are left out");
+    p.read("darkest", darkest_, "grey levels", {0, 255},
+           "grey level below which a pixel is excluded");
+    p.read("brightest", brightest_, "grey levels", {0, 255},
+           "grey level above which a pixel is excluded");
   }
 
   weft::Result<MyPluginOutput> run(const MyPluginInput& in) override {
@@ -61,4 +63,4 @@ class MyPluginStage final : public weft::Stage<MyPluginInput, MyPluginOutput> {
 }  // namespace
 
 WEFT_PLUGIN(MyPluginStage, "stages/my_plugin", "1.0.0",
-            "Lets detectors look only at what is bright enough and not blown out.")
+            "Restricts detectors to pixels that are bright enough and not overexposed.")

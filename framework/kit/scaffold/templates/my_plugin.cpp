@@ -12,9 +12,9 @@ constexpr std::uint8_t kPlainGrey = 200;
 class MyPluginTemplate final : public weft::TemplateBuilder {
  public:
   explicit MyPluginTemplate(weft::Params& p) {
-    p.read("radius_m", radius_m_, "m", {1e-6, 1000}, "of the disc");
-    p.read("rings", rings_, "", {1, 500}, "of vertices around the middle");
-    p.read("spokes", spokes_, "", {3, 1000}, "vertices of a ring");
+    p.read("radius_m", radius_m_, "m", {1e-6, 1000}, "radius of the disc");
+    p.read("rings", rings_, "", {1, 500}, "number of rings of vertices around the centre");
+    p.read("spokes", spokes_, "", {3, 1000}, "number of vertices per ring");
     p.read("texture_px", texture_px_, "px", {8, 4000}, "side of the texture, which is grey");
   }
 
@@ -92,4 +92,4 @@ class MyPluginTemplate final : public weft::TemplateBuilder {
 
 }  // namespace
 
-WEFT_PLUGIN(MyPluginTemplate, "templates/my_plugin", "1.0.0", "A flat plain disc.")
+WEFT_PLUGIN(MyPluginTemplate, "templates/my_plugin", "1.0.0", "Makes a flat plain disc.")

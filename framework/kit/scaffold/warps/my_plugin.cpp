@@ -54,7 +54,7 @@ class MyPluginWarp final : public weft::WarpModel {
 
   explicit MyPluginWarp(weft::Params& p) {
     p.read("margin_px", margin_px_, "px of the texture", {0, 10000},
-           "the warp is valid in the box of the object in the texture and this around it");
+           "width of the border that the warp's domain adds to the object's box in the texture");
   }
 
   weft::Result<weft::Warp> fit(const weft::FitInput& in) override {
@@ -155,4 +155,4 @@ class MyPluginWarp final : public weft::WarpModel {
 
 }  // namespace
 
-WEFT_PLUGIN(MyPluginWarp, "warps/my_plugin", "1.0.0", "A quadratic polynomial through the matches.")
+WEFT_PLUGIN(MyPluginWarp, "warps/my_plugin", "1.0.0", "Fits a quadratic polynomial to the matches.")

@@ -35,7 +35,7 @@ Points2 inner_texels(const Template& templ) {
   return points;
 }
 
-std::optional<Points2> warped(Performer& performer, const HeldRecord& warp,
+std::optional<Points2> warped(Performer& performer, const HostRecord& warp,
                               const Points2& texels_px) {
   const Answer answer = performer.evaluate(warp, {make_array<double>(texels_px), 0});
   const auto samples = answer.get<WarpSamples>("warp_samples");
@@ -53,7 +53,7 @@ Asked ask(const Subject& subject, const Scene& scene, const Points2& texels_px) 
   }
   const auto inputs = inputs_of(subject, scene, left_out_of(subject));
   Asked asked{performer.call(kRunStage, inputs, 7)};
-  const HeldRecord warp = asked.answer.find("warp");
+  const HostRecord warp = asked.answer.find("warp");
   if (warp != nullptr) asked.warped_px = warped(performer, warp, texels_px);
   return asked;
 }

@@ -26,7 +26,7 @@ bool sees_pixels(const Subject& subject);
 Points2 inner_texels(const Template& templ);
 
 /// Evaluates at points of the texture; nothing where a point is said to be beyond.
-std::optional<Points2> warped(Performer& performer, const HeldRecord& warp,
+std::optional<Points2> warped(Performer& performer, const HostRecord& warp,
                               const Points2& texels_px);
 
 /// How the answer of `after`, to the moved scene, is not that of `before`, moved; empty where it

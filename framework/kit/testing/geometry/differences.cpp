@@ -160,7 +160,7 @@ std::string difference_moved(const Scene& scene, const Asked& before, const Aske
     return "it says " + to_text(after.answer) + ", not " + to_text(before.answer);
   }
   for (const auto& [slot, record] : before.answer.outputs) {
-    const HeldRecord other = after.answer.find(slot);
+    const HostRecord other = after.answer.find(slot);
     if (other == nullptr) return "it makes no " + slot;
     std::string how;
     if (const auto was = typed_in<InlierMask>(record)) {

@@ -33,7 +33,7 @@ void check_identity_warp(const Subject& subject, Checks& checks) {
     return checks.fail(ready.error().message);
   }
   const Answer fitted = performer.call(kRunStage, inputs_of(subject, scene));
-  const HeldRecord warp = fitted.find("warp");
+  const HostRecord warp = fitted.find("warp");
   if (warp == nullptr) return checks.fail("says " + to_text(fitted));
   const Points2 texels_px = inner_texels(scene.templ);
   const Answer answer = performer.evaluate(warp, {make_array<double>(texels_px), 2});

@@ -53,7 +53,7 @@ std::vector<Family> families_of(const Axis& axis) {
   return families;
 }
 
-/// What the names of a family's values begin with, without digits and signs at its end.
+/// The common prefix of the names of a family's values, without digits and signs at its end.
 std::string name_of(const Axis& axis, const Family& family) {
   std::string common = axis.values[family.values.front()].name;
   for (const std::size_t value : family.values) {

@@ -19,8 +19,8 @@ struct AxisSweep {
   std::vector<std::string> families;
 };
 
-/// The number that at least three values of an axis set alone: by their names; else by the setting
-/// in which they differ while all their other settings are the same.
+/// The number that at least three values of an axis set alone. It comes from their names, else from
+/// the setting in which they differ while all their other settings are the same.
 std::optional<AxisSweep> sweep_of(const Axis& axis);
 
 }  // namespace weft::lab

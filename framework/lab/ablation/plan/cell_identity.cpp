@@ -90,7 +90,7 @@ class IdentityWriter {
         builds_(builds),
         problems_(problems) {}
 
-  /// Of what enters the graph.
+  /// Identity of the inputs of the graph.
   json data() {
     const host::ComponentSpec &source = config_.source->component,
                               &templ = config_.templ->component;
@@ -102,7 +102,7 @@ class IdentityWriter {
     return identity;
   }
 
-  /// Of some of the stages.
+  /// Identity of some of the stages.
   json stages(const std::set<int>& chosen) {
     json list = json::array();
     bool random = false, looks_back = false;
@@ -227,7 +227,7 @@ IdentityPart Identifier::rest_part(const CheckedPipeline& pipeline, std::uint64_
 }
 
 CellIdentity Identifier::join(const IdentityPart& data, const IdentityPart& rest) {
-  // One object: "data" stands before all members of the rest in canonical order.
+  // One object: "data" precedes all members of the rest in canonical order.
   const auto whole = [](const std::string& first, const std::string& second) {
     return host::content_hash("{\"data\":" + first + "," + second.substr(1));
   };

@@ -11,15 +11,16 @@
 
 namespace weft::lab {
 
-/// What tells whether two cells, or two stages, do the same work; docs/results.md says what enters.
+/// Keys that determine whether two cells, or two stages, do the same work; see docs/results.md for
+/// their contents.
 struct CellIdentity {
-  std::string key;                  ///< of the cell
+  std::string key;                  ///< key of the cell
   std::string rebuilt_key;          ///< the same without build ids
-  std::string group;                ///< of what it reads: source, template and their files
+  std::string group;                ///< key of its inputs: source, template and their files
   std::vector<std::string> stages;  ///< a key for each stage, of it and all that it depends on
 };
 
-/// What a part of a pipeline puts into the keys of its cells, as pieces of canonical JSON.
+/// Part of a pipeline in the keys of its cells, as pieces of canonical JSON.
 struct IdentityPart {
   std::string text;
   std::string rebuilt;  ///< the same without build ids
@@ -37,8 +38,8 @@ class Identifier {
   CellIdentity identify(const CheckedPipeline& pipeline, std::uint64_t run_seed,
                         const Measurement& measurement, std::vector<yaml::Problem>& problems);
 
-  /// The same in parts, each of which many cells share: source and template; all else. Joined they
-  /// are the identity without the keys of the stages.
+  /// The same in two parts, which many cells share: source and template; all else. Joined they are
+  /// the identity without the keys of the stages.
   IdentityPart data_part(const CheckedPipeline& pipeline, std::uint64_t run_seed,
                          std::vector<yaml::Problem>& problems);
   IdentityPart rest_part(const CheckedPipeline& pipeline, std::uint64_t run_seed,

@@ -18,7 +18,7 @@ std::string name_of(const host::ComponentManifest& component) {
   return component.id.substr(component.id.find('/') + 1);
 }
 
-/// Whether "filters/aem", "filters/a*" or, without a role, "aem" means a component.
+/// True if "filters/aem", "filters/a*" or, without a role, "aem" means a component.
 bool means(const std::string& word, const host::ComponentManifest& component) {
   const bool whole = word.find('/') != std::string::npos;
   const std::string name = whole ? component.id : name_of(component);

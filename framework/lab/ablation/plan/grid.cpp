@@ -21,10 +21,13 @@ class GridBuilder {
     grid_.checks_ = std::make_shared<host::ComponentChecks>();
     grid_.settings_ = std::move(settings);
     for (const std::string& pipeline : grid_.plan_.pipelines) {
-      grid_.bases_.push_back(read_base(pipeline, grid_.paths()));
+      grid_.bases_.push_back(read_base(pipeline, registry, grid_.paths()));
     }
     parts_.resize(grid_.bases_.size());
     report_.sources = grid_.plan_.sources;
+    for (const host::FormerName& each : grid_.plan_.former_names) {
+      report_.warnings.push_back(warning_of(each, report_.sources));
+    }
   }
 
   std::pair<Grid, ConfigReport> build() {
@@ -65,6 +68,7 @@ class GridBuilder {
 
   void add_cells(Cell cell) {
     PipelineDocument document = grid_.document(cell);
+    for (const host::FormerName& each : document.former_names) warn(document.sources, each);
     ++pipelines_;
     const std::vector<std::uint64_t>& seeds = grid_.plan_.seeds;
     const PartNames names = part_names(document.root);
@@ -79,7 +83,7 @@ class GridBuilder {
       }
       for (const yaml::Problem& problem : report.problems) note(report.sources, problem, cell);
       known = parts.find(names, seeds);
-      if (!known) return;  // with a mistake the grid is not used
+      if (!known) return;  // after an error the grid is not used
     }
     filters_.insert(known->filters);
     cell.stages = std::move(known->stages);
@@ -103,19 +107,31 @@ class GridBuilder {
     }
   }
 
-  /// What a plan lays over a pipeline is wrong in one place; what another file says may be wrong
-  /// because of what is laid over it, so that the first such cell is named.
+  /// Of each place once, however many cells have it.
+  void warn(const std::vector<ConfigSource>& sources, const host::FormerName& name) {
+    yaml::Problem warning = warning_of(name, sources);
+    if (!warned_.insert(place_in(sources, name.at) + warning.message).second) return;
+    warning.at.source = report_source(sources.at(to_index(name.at.source)));
+    report_.warnings.push_back(std::move(warning));
+  }
+
+  /// The index of a text among those of the report.
+  int report_source(const ConfigSource& source) {
+    const auto same = [&](const ConfigSource& other) {
+      return other.name == source.name && other.is_setting == source.is_setting;
+    };
+    auto at = std::find_if(report_.sources.begin(), report_.sources.end(), same);
+    if (at == report_.sources.end()) at = report_.sources.insert(at, source);
+    return static_cast<int>(at - report_.sources.begin());
+  }
+
+  /// An error in a part that the plan merges into a pipeline has one place. A value of another file
+  /// may be wrong because of a merged part, so that the first such cell is named.
   void report_mistakes() {
     for (auto& entry : mistakes_) {
       auto& mistake = entry.second;
-      const auto same = [&](const ConfigSource& source) {
-        return source.name == mistake.source.name && source.is_setting == mistake.source.is_setting;
-      };
-      auto at = std::find_if(report_.sources.begin(), report_.sources.end(), same);
-      const auto of_plan = static_cast<std::ptrdiff_t>(grid_.plan_.sources.size());
-      const bool in_plan = at - report_.sources.begin() < of_plan;
-      if (at == report_.sources.end()) at = report_.sources.insert(at, mistake.source);
-      mistake.problem.at.source = static_cast<int>(at - report_.sources.begin());
+      mistake.problem.at.source = report_source(mistake.source);
+      const bool in_plan = to_index(mistake.problem.at.source) < grid_.plan_.sources.size();
       if (!in_plan && mistake.pipelines < pipelines_) {
         mistake.problem.message += "\n    in the cell " + mistake.cell;
       }
@@ -147,9 +163,10 @@ class GridBuilder {
 
   Grid grid_;
   ConfigReport report_;
-  std::vector<KnownParts> parts_;            ///< of each pipeline: texts count from its file on
+  std::vector<KnownParts> parts_;  ///< parts of each pipeline: texts count from its file on
   std::map<std::string, Mistake> mistakes_;  ///< by place and message
   std::set<std::vector<std::string>> filters_;
+  std::set<std::string> warned_;  ///< places and messages
   std::size_t pipelines_ = 0;
 };
 
@@ -163,7 +180,8 @@ host::PathRules Grid::paths() const { return host::PathRules::of_process({}, pla
 PipelineDocument Grid::document(const Cell& cell) const {
   const NamedPatch& sequence = plan_.data[cell.data].sequences[cell.sequence];
   const PipelineDocument& base = bases_[plan_.pipeline_of(cell.values)];
-  auto document = laid_over(base, plan_.patches(&sequence, cell.values), settings_, paths());
+  auto document =
+      laid_over(base, plan_.patches(&sequence, cell.values), settings_, *registry_, paths());
   document.isolating = plan_.isolating;
   return document;
 }

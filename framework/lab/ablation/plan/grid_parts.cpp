@@ -17,7 +17,7 @@ void append_text(std::string& text, const std::string& part) {
   text += part;
 }
 
-/// The value and which text it stands in, as bytes that no other value has.
+/// The value and the index of its text, as bytes that no other value has.
 void append_node(std::string& text, const yaml::Node& node) {
   text += static_cast<char>(node.kind);
   text += node.quoted ? '"' : ' ';

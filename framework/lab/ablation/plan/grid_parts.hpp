@@ -8,8 +8,8 @@
 
 #include "lab/ablation/plan/cell_identity.hpp"
 
-/// The cells of a grid are made of few parts: some data, some pipelines, all combinations. What has
-/// been read, checked and identified once is not again.
+/// The cells of a grid consist of few parts: some data, some pipelines, all combinations. Each part
+/// is read, checked and identified only once.
 namespace weft::lab {
 
 /// A document in two parts, each by its content and the texts that its values stand in: source and
@@ -19,21 +19,21 @@ struct PartNames {
 };
 PartNames part_names(const yaml::Node& root);
 
-/// What is known of a pipeline without mistakes, for all its run seeds.
+/// Known facts about a pipeline without errors, for all its run seeds.
 struct KnownPipeline {
   std::vector<std::string> stages, filters;  ///< names
-  std::vector<std::uint64_t> seeds;
-  std::vector<CellIdentity> identities;  ///< one a seed, without the keys of stages
+  std::vector<std::uint64_t> seeds;          ///< [.] run seeds
+  std::vector<CellIdentity> identities;      ///< one a seed, without the keys of stages
 };
 
-/// Parts of pipelines that were without mistakes.
+/// Parts of pipelines without errors.
 class KnownParts {
  public:
   /// Nothing where a part of it is not known.
   std::optional<KnownPipeline> find(const PartNames& names,
                                     const std::vector<std::uint64_t>& seeds) const;
 
-  /// Notes the parts of a pipeline; mistakes that only its files show go to `problems`.
+  /// Notes the parts of a pipeline; errors that only its files show go to `problems`.
   void note(const PartNames& names, const CheckedPipeline& pipeline,
             const std::vector<std::uint64_t>& seeds, const Measurement& measurement,
             Identifier& identifier, std::vector<yaml::Problem>& problems);
@@ -41,8 +41,8 @@ class KnownParts {
  private:
   using Texts = std::map<std::uint64_t, IdentityPart>;  ///< by run seed; by 0 where it has none
   struct Rest {
-    std::vector<std::string> stages, filters;
-    std::uint64_t own_seed = 0;
+    std::vector<std::string> stages, filters;  ///< [.] names
+    std::uint64_t own_seed = 0;                ///< [] seed of the pipeline file
     Texts texts;
   };
   static const IdentityPart* text_for(const Texts& texts, std::uint64_t seed);

@@ -9,8 +9,8 @@
 
 namespace weft::lab {
 
-/// The content of files that pipelines read. Each path is hashed once; later it can be asked
-/// whether its files are still what they were.
+/// The content of files that pipelines read. Each path is hashed once; later checks compare the
+/// files with their earlier state.
 class InputFiles {
  public:
   /// XXH128 of what `path` names, see host::hash_of_files.
@@ -21,11 +21,11 @@ class InputFiles {
   std::string changed(const std::vector<std::string>& paths) const;
 
  private:
-  /// What tells without reading it that a file is another one.
+  /// File attributes that show a change without reading the file.
   struct File {
     std::string path;
-    std::uint64_t device = 0, number = 0, bytes = 0;
-    std::int64_t changed_ns = 0;  ///< [ns] of its content
+    std::uint64_t device = 0, number = 0, bytes = 0;  ///< device and inode; [bytes] size
+    std::int64_t changed_ns = 0;                      ///< [ns] of its content
 
     bool operator==(const File&) const = default;
   };

@@ -250,7 +250,7 @@ class PlanReader {
     return all;
   }
 
-  /// What no run can have, whatever its filters.
+  /// Refuses metrics that no run can have, whatever its filters.
   void check_metrics() {
     for (const auto& [metric, at] : metrics_of(plan_)) {
       if (metric.empty() || metric.starts_with("filters")) continue;
@@ -260,7 +260,7 @@ class PlanReader {
     }
   }
 
-  /// What is measured on demand only.
+  /// Requests metrics that are measured on demand only.
   void measure_named() {
     for (const auto& [metric, at] : metrics_of(plan_)) {
       if (metric.find(".sampled_") == std::string::npos) continue;
@@ -271,7 +271,7 @@ class PlanReader {
   Plan& plan_;
   const host::Registry& registry_;
   PlanValues values_;
-  std::set<std::string> broken_;  ///< axes with mistakes
+  std::set<std::string> broken_;  ///< axes with errors
   bool data_broken_ = false;
 };
 
@@ -308,7 +308,8 @@ std::pair<Plan, ConfigReport> read_plan(const std::string& file, const host::Reg
   Plan plan;
   plan.helpers = helpers;
   plan.sources = document.sources;
-  ConfigReport report{std::move(document.sources), std::move(document.problems), false, {}};
+  plan.former_names = std::move(document.former_names);
+  ConfigReport report{std::move(document.sources), std::move(document.problems), true, {}};
   if (document.complete) PlanReader(plan, registry, report.problems).read(document.root);
   report.sort();
   return {std::move(plan), std::move(report)};

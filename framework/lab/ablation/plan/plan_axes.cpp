@@ -39,13 +39,13 @@ class AxesReader {
   }
 
  private:
-  /// Of two axes with one setting the later would always win.
+  /// Refuses two axes with one setting: the later would always win.
   void refuse_same_setting(const yaml::Entry& axis) {
     const bool components = axis.value.find("use") != nullptr;
     const yaml::Node* set = axis.value.find(components ? "stage" : "set");
     if (set == nullptr || set->scalar.empty()) return;
     std::string path = set->scalar + (components ? ".use" : "");
-    const std::size_t dot = path.find('.');  // `params` may be left out of a path
+    const std::size_t dot = path.find('.');  // `params` may be omitted in a path
     if (dot != std::string::npos && path.compare(dot, 8, ".params.") == 0) path.erase(dot, 7);
     const auto [first, is_new] = settings_.emplace(path, axis.key);
     if (is_new) return;
@@ -156,7 +156,7 @@ class AxesReader {
     return patch;
   }
 
-  /// Whether a key is a misspelt `sweep`, which would have given the value other names.
+  /// True if a key is a misspelt `sweep`, which would have given the value other names.
   static bool may_be_swept(const yaml::Node& node) {
     const std::vector<std::string> keys = yaml::names_of(axis_value_keys());
     return std::any_of(node.entries.begin(), node.entries.end(), [&](const yaml::Entry& entry) {
@@ -168,7 +168,7 @@ class AxesReader {
   PlanValues& values_;
   std::set<std::string>& broken_;
   std::map<std::string, std::string> settings_;  ///< the axis of each
-  std::size_t in_patches_ = 0;  ///< mistakes of an axis that leave the names of its values known
+  std::size_t in_patches_ = 0;  ///< errors of an axis that leave the names of its values known
 };
 
 }  // namespace

@@ -42,7 +42,7 @@ yaml::Entry* first_in(yaml::Node& map, const std::string& path) {
   return longest;
 }
 
-/// Erases the value of an axis where it stands in the text, as a key or in a list.
+/// Erases the value of an axis from the text, as a key or in a list.
 bool erase_value(yaml::Node& axis, const std::string& name) {
   yaml::Entry* values = entry_of(axis, "values");
   if (values == nullptr) return false;
@@ -125,7 +125,7 @@ class LeavingOut {
     });
   }
 
-  /// Comparisons and expectations that name what has been left out go with it.
+  /// Comparisons and expectations that name an omitted part are omitted too.
   template <class Is>
   void forget(const Is& is_left_out) {
     const auto text = [](const yaml::Node& map, const char* key) {
@@ -174,7 +174,7 @@ class PathReader {
   yaml::Node from(std::size_t start, const yaml::Node* base, const std::string& container) {
     const std::string rest = setting_.substr(start, equals_ - start);
     std::string key = rest.substr(0, rest.find('.'));
-    if (container == "set") key = rest;  // a setting of a pipeline has dots of its own
+    if (container == "set") key = rest;  // a setting of a pipeline contains dots
     yaml::Node copy = base != nullptr ? *base : yaml::Node{};
     const yaml::Entry* own = first_in(copy, rest);
     if (own != nullptr) key = own->key;

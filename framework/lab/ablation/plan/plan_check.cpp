@@ -10,10 +10,10 @@
 namespace weft::lab {
 namespace {
 
-/// Grids of so many pipelines are checked as they are, all combinations at once.
+/// Grids of this number of pipelines are checked as they are, all combinations at once.
 constexpr std::size_t kFewPipelines = 64;
 
-/// Of more parts than these the rest is left to the grid, so that the answer comes at once.
+/// With more parts than these the rest is left to the grid, so that the answer comes at once.
 constexpr std::size_t kMostParts = 150;
 
 /// Lays the parts of a plan over its pipeline, one at a time.
@@ -23,7 +23,7 @@ class PartsCheck {
              const std::vector<std::string>& settings, ConfigReport& report)
       : plan_(plan), registry_(registry), settings_(settings), report_(report) {
     for (const std::string& pipeline : plan.pipelines) {
-      bases_.push_back(read_base(pipeline, paths_));
+      bases_.push_back(read_base(pipeline, registry_, paths_));
     }
   }
 
@@ -63,8 +63,8 @@ class PartsCheck {
     if (parts_ == kMostParts) return;
     ++parts_;
     const std::size_t base = plan_.pipeline_of(values);
-    auto document =
-        laid_over(bases_[base], plan_.patches(first_of(data), values), settings_, paths_);
+    auto document = laid_over(bases_[base], plan_.patches(first_of(data), values), settings_,
+                              registry_, paths_);
     document.isolating = plan_.isolating;
     const auto [pipeline, report] = check_cell(plan_.pipelines[base], std::move(document),
                                                registry_, plan_.file().folder, &checks_);
@@ -93,7 +93,7 @@ class PartsCheck {
     return sequence == nullptr ? name + "any data" : name + "sequence=" + sequence->name;
   }
 
-  /// Adds a mistake that does not follow from one of the grammar.
+  /// Adds an error that does not follow from one of the grammar.
   void add(Mistake mistake) {
     const auto same = [&](const ConfigSource& source) {
       return source.name == mistake.source.name && source.is_setting == mistake.source.is_setting;
@@ -131,7 +131,7 @@ class PartsCheck {
   ConfigReport& report_;
   host::PathRules paths_ = host::PathRules::of_process({}, plan_.file().folder);
   std::vector<PipelineDocument> bases_;  ///< pipelines with what they extend, read once
-  host::ComponentChecks checks_;         ///< asks a component once, in however many parts it stands
+  host::ComponentChecks checks_;  ///< checks a component once, in however many parts it is used
   std::map<std::string, Mistake> mistakes_;  ///< by place and message
   std::set<std::vector<std::string>> filters_;
   std::size_t parts_ = 0;

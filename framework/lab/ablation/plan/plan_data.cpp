@@ -196,7 +196,7 @@ PlannedCluster read_cluster(const yaml::Node& node, PlanValues& values) {
   }
   if (const yaml::Node* sbatch = node.find("sbatch")) {
     for (const auto& [option, at] : values.texts(*sbatch, "'sbatch'")) {
-      // Anything else would be taken for the script.
+      // All other texts would be taken for the script.
       if (option.starts_with("-")) cluster.sbatch.push_back(option);
       if (!option.empty() && !option.starts_with("-")) {
         values.problem(at, "an option of sbatch begins with a dash, such as --mem=4G");

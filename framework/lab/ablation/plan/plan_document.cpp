@@ -68,11 +68,12 @@ class DocumentReader {
     yaml::Node root = std::move(parsed->root);
     if (root.kind == yaml::Kind::null && !parsed->problems.empty()) document_.complete = false;
     yaml::set_source(root, source);
+    use_current_plan_names(root, document_.former_names);
     chain.push_back(canonical_path(file));
     return extended(std::move(root), source, chain);
   }
 
-  /// The root laid over the plan that it extends, if it does.
+  /// The root merged into the plan that it extends, if it does.
   yaml::Node extended(yaml::Node root, int source, const std::vector<std::string>& chain) {
     const yaml::Node* extends = root.find("extends");
     const yaml::Node* without = root.find("without");
@@ -149,14 +150,14 @@ bool replaces_axis(const yaml::Node& base, const yaml::Node& over) {
   return differs("set") || differs("stage");
 }
 
-/// What kind of map is merged.
+/// Kinds of maps that are merged.
 enum class Level : std::uint8_t { plan, axes, other };
 
 yaml::Node merged(yaml::Node base, yaml::Node over, Level level) {
   if (yaml::is_null(over)) return base;
   if (base.kind != yaml::Kind::map || over.kind != yaml::Kind::map) return over;
   base.at = over.at;
-  base.partial = base.partial || over.partial;
+  base.unclear = base.unclear || over.unclear;
   std::size_t behind = first_place(base, over);
   for (yaml::Entry& entry : over.entries) {
     const yaml::Entry* found = base.find_entry(entry.key);

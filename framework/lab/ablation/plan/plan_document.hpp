@@ -11,10 +11,11 @@ namespace weft::lab {
 
 /// A plan as one document.
 struct PlanDocument {
-  yaml::Node root;                    ///< without `extends` and `without`
-  std::vector<ConfigSource> sources;  ///< the file, what it extends, the command line
-  std::vector<yaml::Problem> problems;
-  bool complete = true;  ///< each text could be read to its end
+  yaml::Node root;                             ///< without `extends` and `without`
+  std::vector<ConfigSource> sources;           ///< the file, what it extends, the command line
+  std::vector<yaml::Problem> problems;         ///< [.] errors with their places
+  std::vector<host::FormerName> former_names;  ///< of ids and metrics; the root has current ones
+  bool complete = true;                        ///< each text could be read to its end
 };
 
 /// Reads a plan file, lays it over the plan that it `extends`, and lays the changes of the command
@@ -26,15 +27,19 @@ struct PlanDocument {
 /// `name` is not taken from the extended plan.
 PlanDocument read_plan_document(const std::string& file, const PlanChanges& changes);
 
-/// One plan laid over another, by these rules.
+/// One plan merged into another, by these rules.
 yaml::Node merged_plans(yaml::Node base, yaml::Node over);
+
+/// Replaces former ids in `use` and `except` of axes, and former names of metrics.
+void use_current_plan_names(yaml::Node& root, std::vector<host::FormerName>& found);
 
 /// Leaves axes ("bend"), values of them ("bend.little") and data ("data.handles") out of a plan,
 /// and the comparisons and expectations that are about them. Appends what is wrong to `problems`.
 void leave_out_of_plan(yaml::Node& root, const yaml::Node& names,
                        std::vector<yaml::Problem>& problems);
 
-/// What a setting "axes.bend.values=[1, 2]" lays over a plan, positions in its own text.
+/// The document that a setting "axes.bend.values=[1, 2]" merges into a plan, positions in its own
+/// text.
 yaml::Node plan_overlay_of(const std::string& setting, const yaml::Node& root,
                            std::vector<yaml::Problem>& problems);
 

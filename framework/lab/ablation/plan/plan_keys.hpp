@@ -9,7 +9,7 @@
 
 namespace weft::lab {
 
-inline constexpr std::int64_t kLargestSeed = 1'000'000'000;  ///< of data and of runs
+inline constexpr std::int64_t kLargestSeed = 1'000'000'000;  ///< limit of seeds of data and of runs
 
 /// The keys of a plan.
 const yaml::KeyTable& plan_keys();
@@ -29,7 +29,7 @@ const yaml::KeyTable& cluster_keys();
 const yaml::KeyTable& comparison_keys();
 const yaml::KeyTable& expectation_keys();
 
-/// What no axis may be called: words of `where` and columns of tables.
+/// Names that no axis may have: words of `where` and columns of tables.
 const std::vector<std::string>& reserved_axis_names();
 
 }  // namespace weft::lab

@@ -13,7 +13,7 @@
 
 namespace weft::lab {
 
-/// Reads values of a plan strictly; every mistake goes to one list.
+/// Reads values of a plan strictly; every error goes to one list.
 class PlanValues {
  public:
   explicit PlanValues(std::vector<yaml::Problem>& problems)
@@ -26,19 +26,19 @@ class PlanValues {
     problems_.push_back({at, std::move(message)});
   }
 
-  /// How many mistakes there are so far.
+  /// Number of errors so far.
   std::size_t count() const { return problems_.size(); }
 
-  /// Whether it is known what the data are used for, so that their seeds can be checked.
+  /// True if the use of the data is known, so that their seeds can be checked.
   bool data_use_known = true;
 
-  /// Whether the node is a map of no keys but these; `what` names it in messages.
+  /// True if the node is a map of no keys but these; `what` names it in messages.
   bool is_map(const yaml::Node& node, const std::string& what, const yaml::KeyTable& table);
 
   /// The same of what is a map; what is under a misspelt key is then under the one that was meant.
   void correct_keys(yaml::Node& map, const std::string& what, const yaml::KeyTable& table);
 
-  /// A text that is not empty, or "" after a mistake.
+  /// A text that is not empty, or "" after an error.
   std::string text(const yaml::Node& node, const std::string& what);
 
   /// The texts of a list.
@@ -51,13 +51,13 @@ class PlanValues {
   /// A seed, a range "101-120", or a list of these; each only once.
   std::vector<std::uint64_t> seeds(const yaml::Node& node, const std::string& what);
 
-  /// Letters, digits and . _ - + / only, so that a name can stand in tables and file names.
+  /// Letters, digits and . _ - + / only, so that tables and file names can contain the name.
   bool is_name(const std::string& name, yaml::Position at, const std::string& what);
 
-  /// Whether a name can be that of a folder, and stays where the folder is made.
+  /// True if a name can be that of a folder, and stays inside the folder where it is made.
   bool is_folder_name(const std::string& name, yaml::Position at);
 
-  /// Reads what `key` of the map holds; a mistake where it is missing and required.
+  /// Reads the value of `key` of the map; an error if it is missing and required.
   bool has(const yaml::Node& map, const char* key, const std::string& what);
 
   /// "no axis 'x'; did you mean 'y'?"
@@ -69,7 +69,7 @@ class PlanValues {
                  std::vector<std::uint64_t>& seeds);
 
   std::vector<yaml::Problem>& problems_;
-  std::vector<yaml::Problem> of_text_;  ///< mistakes of YAML
+  std::vector<yaml::Problem> of_text_;  ///< errors of YAML
 };
 
 /// Checks the pipeline of a cell: as weft::check_pipeline does, and whether another run of it takes
@@ -83,7 +83,7 @@ std::pair<CheckedPipeline, ConfigReport> check_cell(const std::string& file,
 /// All metrics that a plan names.
 std::vector<std::pair<std::string, yaml::Position>> metrics_of(const Plan& plan);
 
-/// Reads `axes`; the names of those with mistakes go to `broken`.
+/// Reads `axes`; the names of those with errors go to `broken`.
 std::vector<Axis> read_axes(const yaml::Node& node, const host::Registry& registry,
                             PlanValues& values, std::set<std::string>& broken);
 
@@ -93,19 +93,19 @@ std::vector<Axis> read_axes(const yaml::Node& node, const host::Registry& regist
 std::vector<NamedPatch> component_values(const yaml::Node& axis, const host::Registry& registry,
                                          PlanValues& values);
 
-/// Reads `data`: names with what they are laid over the pipeline.
+/// Reads `data`: names with the parts that they merge into the pipeline.
 std::vector<PlannedData> read_data(const yaml::Node& node, const Plan& plan, PlanValues& values);
 
 /// Reads `cluster`.
 PlannedCluster read_cluster(const yaml::Node& node, PlanValues& values);
 
-/// The patch in a map: its keys that belong to patches. Says what is wrong with its `set`.
+/// The patch in a map: its keys that belong to patches. Reports errors of its `set`.
 yaml::Node patch_in(const yaml::Node& map, PlanValues& values);
 
 /// A patch that makes one setting.
 yaml::Node setting_patch(const std::string& path, yaml::Position at, const yaml::Node& value);
 
-/// What one patch says, and then what another says.
+/// The entries of one patch, followed by those of another.
 yaml::Node with_setting(yaml::Node patch, const std::string& path, yaml::Position at,
                         const yaml::Node& value);
 

@@ -5,6 +5,7 @@
 #include <weft/core/version.hpp>
 #include <weft/core/whole_file.hpp>
 
+#include "lab/metrics/forms/former_words.hpp"
 #include "lab/metrics/forms/metrics_report.hpp"
 #include "lab/metrics/runs/json_file.hpp"
 
@@ -97,7 +98,7 @@ class JsonReader {
 
   template <class Member>
   void operator()(const MetricField& field, Member& member) {
-    const auto place = object_.find(field.name);
+    const auto place = place_of(field);
     if (place == object_.end()) return;
     found_ = true;
     read(field, place->second, member);
@@ -108,7 +109,7 @@ class JsonReader {
 
   template <class Members>
   void object(const MetricField& field, bool& there, Members&& members) {
-    const auto place = object_.find(field.name);
+    const auto place = place_of(field);
     there = place != object_.end();
     if (!there) return;
     JsonReader reader(place->second);
@@ -130,7 +131,7 @@ class JsonReader {
 
   template <class Metrics>
   void keyed(const MetricField& field, std::vector<std::pair<std::string, Metrics>>& pairs) {
-    const auto place = object_.find(field.name);
+    const auto place = place_of(field);
     if (place == object_.end()) return;
     for (const auto& [stage, object] : place->second.get_ref<const Object&>()) {
       JsonReader reader(object);
@@ -139,6 +140,12 @@ class JsonReader {
   }
 
  private:
+  /// Files of earlier versions have former names.
+  Object::const_iterator place_of(const MetricField& field) const {
+    const auto place = object_.find(field.name);
+    return place != object_.end() ? place : object_.find(std::string(former_word(field.name)));
+  }
+
   template <class Member>
   static void read(const MetricField& field, const json& value, Member& member) {
     if constexpr (MetricStruct<Member>) {
@@ -171,8 +178,9 @@ class JsonReader {
   /// The enumerator of that name; enumerators are numbered from 0.
   template <class Enumeration>
   static Enumeration enumerator(const std::string& name, Enumeration otherwise) {
+    const std::string_view current = current_word(name);
     for (int i = 0; i <= static_cast<int>(last(otherwise)); ++i) {
-      if (name == to_string(static_cast<Enumeration>(i))) return static_cast<Enumeration>(i);
+      if (current == to_string(static_cast<Enumeration>(i))) return static_cast<Enumeration>(i);
     }
     return otherwise;
   }

@@ -12,7 +12,7 @@ struct HumanName {
   const char* name;
 };
 
-/// Names that the words of a path do not give. Behind `error_held` stand the same members as behind
+/// Names that the words of a path do not give. `error_carried_over` has the same members as
 /// `error_solved`.
 constexpr HumanName kHumanNames[] = {
     {"error_solved.mean_mm", "mean 3D error"},
@@ -70,7 +70,7 @@ constexpr HumanName kHumanNames[] = {
     {"jitter.truth_mean_mm", "the truth's own jitter"},
 };
 
-constexpr std::string_view kHeld = "error_held.";
+constexpr std::string_view kCarriedOver = "error_carried_over.";
 
 /// Whether a path is the ending or has it behind a dot.
 bool ends_in(const std::string& path, std::string_view ending) {
@@ -89,9 +89,9 @@ std::string last_words_of(const std::string& path) {
 
 std::string name_of_entry(std::string path) {
   std::string suffix;
-  if (const std::size_t at = path.find(kHeld); at != std::string::npos) {
-    path.replace(at, kHeld.size(), "error_solved.");
-    suffix = " of held frames";
+  if (const std::size_t at = path.find(kCarriedOver); at != std::string::npos) {
+    path.replace(at, kCarriedOver.size(), "error_solved.");
+    suffix = " of carried-over frames";
   }
   for (const HumanName& each : kHumanNames) {
     if (ends_in(path, each.ending)) return each.name + suffix;

@@ -6,6 +6,7 @@
 #include <weft/core/quote.hpp>
 #include <weft/core/suggest.hpp>
 
+#include "lab/metrics/forms/former_words.hpp"
 #include "lab/metrics/forms/json.hpp"
 
 namespace weft::lab {
@@ -67,7 +68,11 @@ Result<double> metric_at(const json& metrics, const std::string& path) {
       if (!named) return named.error();
       if (*named) continue;
     }
-    const auto found = place->is_object() ? place->find(word) : place->end();
+    auto found = place->is_object() ? place->find(word) : place->end();
+    // The path or the file may be older than a renamed metric.
+    for (const std::string_view other : {current_word(word), former_word(word)}) {
+      if (found == place->end() && place->is_object()) found = place->find(std::string(other));
+    }
     if (found == place->end()) return no_such(path, word, *place);
     place = &*found;
   }

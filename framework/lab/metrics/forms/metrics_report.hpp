@@ -11,8 +11,8 @@ namespace weft::lab {
 /// is unknown is null.
 std::string to_json(const RunMetrics& metrics);
 
-/// What a person reads: counts, then errors in millimetres, one row a group; rows apart and frames
-/// with an old shape follow in parts of their own. UTF-8, ends with a line break.
+/// What a person reads: counts, then errors in millimetres, one row a group; excluded rows and
+/// frames with an old shape follow in parts of their own. UTF-8, ends with a line break.
 std::string to_table(const RunMetrics& metrics);
 
 /// The part of it with the 3D errors alone, for a further alignment.

@@ -18,12 +18,13 @@ constexpr std::ptrdiff_t kWorstFrames = 5;
 
 std::string group_name(const GroupMetrics& group) {
   const std::string kind = group.kind.empty() ? "(no kind)" : printable(group.kind);
-  return group.apart.empty() ? kind : kind + " (" + printable(group.apart) + ")";
+  return group.exclusion.empty() ? kind : kind + " (" + printable(group.exclusion) + ")";
 }
 
 /// The numbers of a frame stand behind these.
 TableRow frame_row(const FrameMetrics& frame) {
-  std::string truth = frame.apart.empty() ? frame.kind : frame.kind + " (" + frame.apart + ")";
+  std::string truth =
+      frame.exclusion.empty() ? frame.kind : frame.kind + " (" + frame.exclusion + ")";
   if (frame.motion.cut) truth += " cut";
   return values_of(frame, {printable(frame.label()), std::to_string(frame.frame),
                            frame.outcome == FrameOutcome::invalid ? to_string(frame.outcome)
@@ -93,11 +94,11 @@ std::string rest_text(const RunMetrics& metrics) {
     const auto note = [&](std::int64_t count, const std::string& sentence) {
       if (count > 0) text += fmt::format("  {}: {} {}\n", name, count, sentence);
     };
-    const ErrorSummary& held = group.held_error;
-    if (held.frames > 0) {
-      note(held.frames,
-           fmt::format("held (predicted or lost): mean {}, worst {} ({})", decimal(held.mean_mm, 2),
-                       decimal(held.worst_mm, 2), printable(held.worst_frame)));
+    const ErrorSummary& old = group.carried_over_error;
+    if (old.frames > 0) {
+      note(old.frames, fmt::format("carried over (predicted or lost): mean {}, worst {} ({})",
+                                   decimal(old.mean_mm, 2), decimal(old.worst_mm, 2),
+                                   printable(old.worst_frame)));
     }
     note(group.missing, "with truth but without a shape: failures, not in the means");
     note(group.invalid, "with NaN or infinity in the shape: failures, not in the means");
@@ -185,19 +186,19 @@ std::string to_table(const RunMetrics& metrics) {
 }
 
 std::string to_error_table(const RunMetrics& metrics) {
-  std::vector<TableRow> rows{titles_of<TruthMetrics>({"truth"})}, apart;
+  std::vector<TableRow> rows{titles_of<TruthMetrics>({"truth"})}, excluded;
   for (const GroupMetrics& group : metrics.groups) {
-    (group.apart.empty() ? rows : apart)
+    (group.exclusion.empty() ? rows : excluded)
         .push_back(values_of<TruthMetrics>(group, {group_name(group)}));
   }
   rows.push_back(values_of(metrics.all, {"all"}));
   const std::size_t counted = rows.size();
-  rows.insert(rows.end(), apart.begin(), apart.end());
+  rows.insert(rows.end(), excluded.begin(), excluded.end());
   std::string table = align(rows);
-  if (!apart.empty()) {
+  if (!excluded.empty()) {
     std::size_t at = 0;
     for (std::size_t i = 0; i < counted; ++i) at = table.find('\n', at) + 1;
-    table.insert(at, "  apart, not in the rows above\n");
+    table.insert(at, "  excluded, not in the rows above\n");
   }
   return fmt::format("3D error of solved frames in mm, alignment: {}\n",
                      to_string(metrics.alignment)) +

@@ -22,7 +22,7 @@ inline Result<nlohmann::json> read_json_object(const std::string& file) {
   return content;
 }
 
-/// What the library says of a member that is missing or of another type, without its own name.
+/// The library's message about a member that is missing or has another type, without its own name.
 inline std::string reason_of(const nlohmann::json::exception& mistake) {
   const std::string text = mistake.what();
   const std::size_t end = text.find("] ");

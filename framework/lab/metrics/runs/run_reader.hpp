@@ -18,17 +18,17 @@
 
 namespace weft::lab {
 
-/// What the line of a frame in frames.jsonl says.
+/// The line of a frame in frames.jsonl.
 struct FrameLine {
   std::uint64_t frame = 0;  ///< [] index from 0
-  std::string stem;         ///< of the image file, empty where there is none
+  std::string stem;         ///< stem of the image file, empty where there is none
   ShapeState state = ShapeState::none;
   bool failed = false;  ///< a stage, the source or a sink had an error
   /// [] in the frame's file, which is there unless it is 0; -1: the line does not say
   std::int64_t records = -1;
 };
 
-/// What a filter left of the matches that a stage made.
+/// The matches of a stage that a filter kept.
 struct FilterRecords {
   std::string stage;
   Array<std::uint8_t> before, after;  ///< [N] 1 where kept
@@ -52,7 +52,7 @@ struct WarpRecords {
 /// The records of one frame; the record structs borrow from `owners`.
 struct FrameRecords {
   std::optional<Shape> shape;            ///< vertices may be NaN: that is for the reader to count
-  std::optional<Visibility> visibility;  ///< of the last pass that tells it
+  std::optional<Visibility> visibility;  ///< output of the last pass that estimates it
   std::optional<Registration> registration;  ///< measured later, else by the last pass that does
   std::optional<GroundTruth> ground_truth;   ///< finite
   std::vector<MatchRecords> matches;         ///< in the order of the stages
@@ -86,11 +86,11 @@ class RunReader {
   bool interrupted() const { return interrupted_; }
   /// It was killed, or the machine lost its power: files of its last frames may not be whole.
   bool killed() const { return killed_; }
-  /// What is not known of the run because a file of the folder is missing or damaged.
+  /// Unknown parts of the run because a file of the folder is missing or damaged.
   const std::vector<std::string>& warnings() const { return warnings_; }
-  /// [frames] of the source; -1 where nobody knows.
+  /// [frames] of the source; -1 if unknown.
   std::int64_t source_frames() const { return source_frames_; }
-  /// [frames] of the source that the run left out between its own, with `realtime: latest`.
+  /// [frames] of the source that the run omitted between its own, with `realtime: latest`.
   std::int64_t dropped() const { return dropped_; }
   /// Else frames are unordered images.
   bool is_sequence() const { return is_sequence_; }
@@ -125,7 +125,7 @@ class RunReader {
   Template template_;
   Camera camera_;
   std::vector<FrameLine> lines_;
-  std::optional<MeasuredFrames> measured_;  ///< in place of what stages measured
+  std::optional<MeasuredFrames> measured_;  ///< used instead of the measurements of stages
   bool interrupted_ = false;
   bool killed_ = false;
   bool may_drop_ = false;

@@ -14,11 +14,11 @@ namespace weft::lab {
 /// Registrations by frame; a frame that could not be measured has none.
 using MeasuredFrames = std::map<std::uint64_t, host::RecordPtr>;
 
-/// Writes what was measured of a finished run into its folder, in place of an earlier measurement.
+/// Writes the measurements of a finished run into its folder; replaces an earlier measurement.
 Result<void> write_registrations(const std::string& folder, const MeasuredFrames& frames);
 
-/// What write_registrations() wrote; nothing where the run was not measured later. Fails where the
-/// file is damaged.
+/// The output of write_registrations(); nothing where the run was not measured later. Fails where
+/// the file is damaged.
 Result<std::optional<MeasuredFrames>> read_registrations(const std::string& folder);
 
 }  // namespace weft::lab

@@ -8,7 +8,7 @@
 
 namespace weft::lab {
 
-/// What is taken out of an error before it is measured, frame by frame.
+/// Transform that is removed from an error before it is measured, frame by frame.
 enum class Alignment {
   none,   ///< nothing: the error in the camera frame
   scale,  ///< one factor s about the camera's centre, least sum |s X - X_truth|^2

@@ -42,7 +42,7 @@ class ShapeMeter {
   }
 
   Eigen::Index vertex_count() const { return vertex_count_; }
-  double diagonal_m() const { return diagonal_m_; }  ///< of the bounding box at rest
+  double diagonal_m() const { return diagonal_m_; }  ///< diagonal of the bounding box at rest
 
  private:
   explicit ShapeMeter(FaceLocator locator) : locator_(std::move(locator)) {}

@@ -15,7 +15,7 @@ namespace weft::lab {
 /// A truth, or a part of one, whatever lies where on it.
 struct TrueSurface {
   std::vector<Eigen::Vector3d> points_m;  ///< all, m, camera frame
-  std::vector<Corners> faces;             ///< of the surface, where it is known
+  std::vector<Corners> faces;             ///< faces of the surface, where it is known
   std::vector<Eigen::Vector3d> loose_m;   ///< the points that are corners of no face
 };
 

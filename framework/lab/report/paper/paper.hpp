@@ -9,8 +9,8 @@
 
 namespace weft::lab {
 
-/// What a table or figure was made from: program with commit, command, sequences with their data
-/// seeds, run seeds; a line each.
+/// Provenance of a table or figure: program with commit, command, sequences with their data seeds,
+/// run seeds; a line each.
 std::string origin_of(const Results& results);
 
 /// Mean 3D error of each combination with its 95 % interval, as an SVG file that carries its
@@ -22,9 +22,9 @@ std::string error_figure(const Results& results, const ReportTables& tables);
 std::string filter_figure(const Results& results, const ReportTables& tables);
 
 struct PaperFiles {
-  std::vector<std::string> files;
-  bool figures = false;  ///< there is a figure
-  bool pdf = false;      ///< it is there as PDF too
+  std::vector<std::string> files;  ///< [.] written files
+  bool figures = false;            ///< there is a figure
+  bool pdf = false;                ///< it is there as PDF too
 };
 
 /// Writes the tables of a results folder as LaTeX, and its figures as SVG and, where write_pdf can,

@@ -19,16 +19,17 @@ struct PrintPatch {
 
 /// A frame that was compared with the flat print.
 struct PrintFrame {
-  std::string rank;  ///< "Worst", "Median" or "Best" by the patches within 1 mm; or "Only"
-  std::uint64_t frame = 0;
-  std::vector<PrintPatch> patches;
+  std::string rank;         ///< "Worst", "Median" or "Best" by the patches within 1 mm; or "Only"
+  std::uint64_t frame = 0;  ///< [] index of the frame
+  std::vector<PrintPatch> patches;   ///< [.] compared patches
   std::string media_type, unwarped;  ///< picture of the unwarped image; empty without one
 };
 
 /// The flat print and some of the frames that were compared with it.
 struct FlatPrint {
   std::int64_t width_px = 0, height_px = 0;  ///< [] of the texture
-  double mm_per_px_u = kUnknown, mm_per_px_v = kUnknown;
+  double mm_per_px_u = kUnknown,
+         mm_per_px_v = kUnknown;   ///< [] mm per px of the texture along u and v
   std::string png;                 ///< of the texture, smaller
   std::vector<PrintFrame> frames;  ///< the worst first; empty for a run that was not compared
 };

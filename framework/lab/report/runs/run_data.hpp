@@ -14,28 +14,28 @@
 
 namespace weft::lab {
 
-/// What became of a stage in a frame.
+/// Outcome of a stage in a frame.
 struct StageOutcome {
   std::string stage;
-  std::string status;  ///< ok, degenerate, no_result, error or skipped
-  std::string reason;  ///< empty for ok
-  double ms = kUnknown;
+  std::string status;    ///< ok, degenerate, no_result, error or skipped
+  std::string reason;    ///< empty for ok
+  double ms = kUnknown;  ///< [] ms, wall-clock time
 };
 
-/// A line of frames.jsonl with what the page tells of it.
+/// A line of frames.jsonl, as far as the page shows it.
 struct RunFrame {
-  std::uint64_t frame = 0;                         ///< [] index from 0
-  std::string state;                               ///< of the shape
-  double mean_mm = kUnknown, worst_mm = kUnknown;  ///< [] mm, where there is truth
-  double confidence = kUnknown;
+  std::uint64_t frame = 0;                                        ///< [] index from 0
+  std::string state;                                              ///< of the shape
+  double mean_mm = kUnknown, worst_mm = kUnknown;                 ///< [] mm, where there is truth
+  double confidence = kUnknown;                                   ///< [] 0 to 1
   double within_1mm_percent = kUnknown, displaced_mm = kUnknown;  ///< against a flat reference
   std::vector<StageOutcome> stages;                               ///< in their order, sinks last
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings;                              ///< [.] texts
 };
 
-/// A worst frame with its picture, if the run has a video of all its frames.
+/// A worst frame with its image, if the run has a video of all its frames.
 struct WorstFrame {
-  std::uint64_t frame = 0;
+  std::uint64_t frame = 0;  ///< [] index of the frame
   std::string jpeg;
 };
 
@@ -46,7 +46,7 @@ struct RunData {
   std::string settings;  ///< the effective configuration, as YAML
   RunMetrics metrics;
   std::vector<RunFrame> frames;   ///< ascending
-  CellView view;                  ///< of some frames, the worst among them
+  CellView view;                  ///< some frames, the worst among them
   std::vector<WorstFrame> worst;  ///< the worst first; without truth the least sure ones
   FlatPrint print;                ///< of a run that was compared with it
 };

@@ -21,7 +21,7 @@ TextTable stages_sheet(const RunData& run);
 /// One row a frame.
 TextTable frames_sheet(const RunData& run);
 
-/// What the page of a run has; `scripted`: with places for figures.
+/// Content of the page of a run; `scripted`: with places for figures.
 Page page_of(const RunData& run, bool scripted);
 
 /// The figures' data as JSON that may stand inside a script element; arrays are base64 of

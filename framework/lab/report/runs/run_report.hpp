@@ -8,7 +8,7 @@
 
 namespace weft::lab {
 
-/// Whether a folder is one that `weft run` wrote, or began to write.
+/// True if a folder is one that `weft run` wrote, or began to write.
 bool is_run_folder(const std::string& folder);
 
 /// Writes the report of a run folder: a page that needs nothing beside it, with errors where the

@@ -96,10 +96,10 @@ std::vector<std::string> sentences_of(const RunData& run) {
     sentences.push_back(flat_print_text(run.metrics.registration));
   }
   if (const std::string times = time_text(run); !times.empty()) sentences.push_back(times);
-  std::set<std::string> told;
+  std::set<std::string> printed;
   for (const RunFrame& frame : run.frames) {
     for (const std::string& warning : frame.warnings) {
-      if (!told.insert(warning).second) continue;
+      if (!printed.insert(warning).second) continue;
       sentences.push_back(fmt::format("At frame {}: {}", frame.frame, warning));
     }
   }

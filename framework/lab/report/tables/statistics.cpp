@@ -106,9 +106,9 @@ Result<ComparisonTable> compare(const Results& results, const PlanComparison& pl
   return compare(observations, options_of(plan));
 }
 
-Result<std::vector<ApartComparison>> compare_apart(const Results& results,
-                                                   const PlanComparison& plan) {
-  std::vector<ApartComparison> apart;
+Result<std::vector<SeparateComparison>> compare_separately(const Results& results,
+                                                           const PlanComparison& plan) {
+  std::vector<SeparateComparison> separate;
   for (const PlanAxis& axis : other_few_valued_axes(results.plan, plan.axis)) {
     std::vector<ObservationGroup> groups;
     for (const std::string& value : axis.values) {
@@ -116,11 +116,11 @@ Result<std::vector<ApartComparison>> compare_apart(const Results& results,
           axis.name == kData ? "On " + value : "With " + axis.name + " " + value;
       groups.push_back({where, observations_of(results, plan, {{axis.name, value}})});
     }
-    auto tables = compare_apart(groups, options_of(plan));
+    auto tables = compare_separately(groups, options_of(plan));
     if (!tables) return tables.error();
-    apart.push_back({axis.name, axis.values, *std::move(tables)});
+    separate.push_back({axis.name, axis.values, *std::move(tables)});
   }
-  return apart;
+  return separate;
 }
 
 }  // namespace weft::lab

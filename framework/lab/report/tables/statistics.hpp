@@ -6,7 +6,7 @@
 
 namespace weft::lab {
 
-/// Whether a metric had better be low or high.
+/// The better direction of a metric.
 Better better_of(const std::string& metric);
 
 /// What the cells that `where` selects say of the values of the comparison's axis. The 3D error
@@ -23,7 +23,7 @@ ComparisonOptions options_of(const PlanComparison& plan);
 Result<ComparisonTable> compare(const Results& results, const PlanComparison& plan);
 
 /// The same comparison with one value of another axis at a time.
-struct ApartComparison {
+struct SeparateComparison {
   std::string axis;                     ///< of the plan, or "data"
   std::vector<std::string> values;      ///< of that axis
   std::vector<ComparisonTable> tables;  ///< one a value; they are one family
@@ -31,7 +31,7 @@ struct ApartComparison {
 
 /// One entry for each other axis of a few values that sweeps no number, and for the data where a
 /// kind of them has enough sequences to decide anything.
-Result<std::vector<ApartComparison>> compare_apart(const Results& results,
-                                                   const PlanComparison& plan);
+Result<std::vector<SeparateComparison>> compare_separately(const Results& results,
+                                                           const PlanComparison& plan);
 
 }  // namespace weft::lab

@@ -205,11 +205,11 @@ Result<ReportTables> make_tables(const Results& results) {
   for (const PlanComparison& plan : results.plan.comparisons) {
     auto table = compare(results, plan);
     if (!table) return table.error();
-    auto apart = compare_apart(results, plan);
-    if (!apart) return apart.error();
+    auto separate = compare_separately(results, plan);
+    if (!separate) return separate.error();
     auto scenes = scene_effects(results, plan, table->pairs);
     tables.comparisons.push_back(
-        {plan, unit_of(plan.metric), *std::move(table), *std::move(apart), std::move(scenes)});
+        {plan, unit_of(plan.metric), *std::move(table), *std::move(separate), std::move(scenes)});
   }
   return tables;
 }

@@ -47,18 +47,18 @@ struct Combination {
   const FilterRates* filter(const std::string& stage) const;
 };
 
-/// What a comparison of the plan came to.
+/// Result of a comparison of the plan.
 struct ComparisonResult {
   PlanComparison plan;
-  std::string unit;  ///< of the metric
+  std::string unit;  ///< unit of the metric
   ComparisonTable table;
-  std::vector<ApartComparison> apart;            ///< by other axes
+  std::vector<SeparateComparison> separate;      ///< by other axes
   std::vector<std::vector<SceneEffect>> scenes;  ///< one list for each pair of `table`
 };
 
 struct ReportTables {
-  std::vector<Combination> combinations;  ///< in the plan's order
-  std::vector<std::string> filter_stages;
+  std::vector<Combination> combinations;         ///< in the plan's order
+  std::vector<std::string> filter_stages;        ///< [.] names
   std::vector<ComparisonResult> comparisons;     ///< one for each of the plan
   std::vector<ExpectationOutcome> expectations;  ///< one for each of the plan
   bool has_error = false;                        ///< some combination has a 3D error

@@ -19,11 +19,11 @@ struct ReportFiles {
   bool figures = false;             ///< the page has figures and the 3D view, not tables only
 };
 
-/// What a page has in it from the program's folder.
+/// Parts of a page from the program's folder.
 struct PageAssets {
   std::string style;
   std::string script;    ///< empty where npm has not built it: then the page has tables only
-  std::string licences;  ///< of what the script contains
+  std::string licences;  ///< licences of the code in the script
 
   bool scripted() const { return !script.empty(); }
 };
@@ -34,15 +34,15 @@ Result<PageAssets> read_assets(const std::string& folder);
 struct Section {
   std::string id;
   std::string title;
-  std::string content;  ///< HTML; a section without it is left out
+  std::string content;  ///< HTML; a section without it is omitted
 };
 
 struct Page {
   std::string title;
   std::string subtitle;
-  std::string folder;  ///< that it was written from
-  std::vector<Section> sections;
-  std::string data;  ///< JSON for the script
+  std::string folder;             ///< that it was written from
+  std::vector<Section> sections;  ///< [.] in the order of the page
+  std::string data;               ///< JSON for the script
 };
 
 /// The whole page, which needs nothing beside it.

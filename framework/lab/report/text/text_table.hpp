@@ -31,7 +31,7 @@ struct TextColumn {
 };
 
 struct TextRow {
-  std::vector<TextCell> cells;
+  std::vector<TextCell> cells;    ///< [columns] cells of the row
   std::ptrdiff_t treatment = -1;  ///< on a page, which combination the row lets the figures draw
   bool failed = false;
 };
@@ -40,9 +40,9 @@ struct TextRow {
 struct TextTable {
   std::string id;  ///< name of its file and its anchor
   std::string title;
-  std::string note;  ///< what the figures mean
-  std::vector<TextColumn> columns;
-  std::vector<TextRow> rows;
+  std::string note;                 ///< what the figures mean
+  std::vector<TextColumn> columns;  ///< [columns] headings
+  std::vector<TextRow> rows;        ///< [rows] rows without the heading
 };
 
 /// Without the foldable columns in which all rows, of at least two, have the same; `note` then

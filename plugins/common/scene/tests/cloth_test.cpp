@@ -85,7 +85,7 @@ TEST(Cloth, TakesTheLengthsOfAnotherSurface) {
   EXPECT_NEAR(width, 1.1 * kCell_m * (kColumns - 1), 0.001);
 }
 
-TEST(Cloth, SaysWhenItIsTornApart) {
+TEST(Cloth, ReportsThatItIsTorn) {
   Cloth cloth = make_cloth();
   const std::vector<ClothGuide> guides{{0, {-0.1, 0.0, 0.5}, 0.0},
                                        {kColumns - 1, {0.5, 0.0, 0.5}, 0.0}};

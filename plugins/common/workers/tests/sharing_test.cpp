@@ -60,7 +60,7 @@ TEST(Sharing, EndsOnAllThreadsWhereOneThrowsAndGoesOnNextTime) {
   }
 }
 
-TEST(Sharing, NoticesACancelledCallWhoeverDidTheWork) {
+TEST(Sharing, NoticesACancelledCallOnAnyThread) {
   Workers workers;
   for (const int threads : {1, 2, 4}) {
     const StopCheck check([](const void*) { return true; }, nullptr);

@@ -33,7 +33,7 @@ TEST(Akaze, FindsBlobCentresWithoutBiasInEveryOctave) {
   }
 }
 
-TEST(Akaze, IsOpenCvsAkazeApartFromOrder) {
+TEST(Akaze, IsOpenCvsAkazeExceptForTheOrder) {
   const Image image = texture(200, 160, 3);
   const cv::Mat grey(160, 200, CV_8U, const_cast<std::uint8_t*>(image.pixels.data()));
   std::vector<cv::KeyPoint> expected;

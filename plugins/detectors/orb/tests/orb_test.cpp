@@ -64,7 +64,7 @@ TEST(Orb, LeavesTheShareOfAnEmptyLevelToFinerOnes) {
   EXPECT_EQ(keypoints.count(), 20);
 }
 
-TEST(Orb, IsOpenCvsOrbApartFromPlaceAndOrder) {
+TEST(Orb, IsOpenCvsOrbExceptForPositionAndOrder) {
   const Image image = texture(200, 160, 3);
   const cv::Mat grey(160, 200, CV_8U, const_cast<std::uint8_t*>(image.pixels.data()));
   std::vector<cv::KeyPoint> expected;

@@ -22,7 +22,7 @@ INSTANTIATE_TEST_SUITE_P(Sift, DetectorSuite,
                              "detectors/sift", "contrast_threshold: 0.02", "sigma_px: 0.5"}));
 INSTANTIATE_TEST_SUITE_P(Sift, SiftOnBlobs, ::testing::Values("detectors/sift"));
 
-TEST(Sift, IsOpenCvsSiftApartFromPlaceAndOrder) {
+TEST(Sift, IsOpenCvsSiftExceptForPositionAndOrder) {
   const Image image = texture(160, 120, 3);
   const cv::Mat grey(120, 160, CV_8U, const_cast<std::uint8_t*>(image.pixels.data()));
   std::vector<cv::KeyPoint> expected;

@@ -29,7 +29,7 @@ std::int64_t like_of(const Keypoints& keypoints, const Keypoints& of, std::int64
   return -1;
 }
 
-TEST(SiftFastRegion, HasTheKeypointsThatTheWholeImageHasThereApartFromItsBorder) {
+TEST(SiftFastRegion, HasTheKeypointsOfTheWholeImageExceptAtItsBorder) {
   const Image image = texture(400, 320, 81);
   for (const char* upsample : {"true", "false"}) {
     PluginUnderTest plugin("detectors/sift_fast",

@@ -92,7 +92,7 @@ TEST(Devices, AnUnknownNameIsAnsweredWithWhatThereIs) {
   }
 }
 
-TEST(Devices, OneThatIsOpenIsSharedUntilNobodyHoldsItOrItIsRetired) {
+TEST(Devices, AnOpenDeviceIsSharedUntilItIsUnusedOrRetired) {
   auto first = *Device::open(""), second = *Device::open("0");
   EXPECT_EQ(first, second);
   EXPECT_GT(first->memory_bytes(), 0U);
@@ -221,7 +221,7 @@ TEST_F(ProgramCache, KeepsTheCompiledKernelsAndTakesThemFromThere) {
   EXPECT_EQ(fs::last_write_time(files.front()), written) << "taken from the cache";
 }
 
-TEST_F(ProgramCache, StandsInTheHomeFolderWhereThereIsNoOther) {
+TEST_F(ProgramCache, IsStoredInTheHomeFolderByDefault) {
   const std::vector<float> expected = blurred();
   const Variable home("HOME", folder_.string());
   for (const std::optional<std::string>& none :

@@ -252,12 +252,12 @@ TEST_F(OnTheDevice, DescriptorsStayAsTheyAreWhileSomebodyHoldsThemAndTheirPlaceI
     ASSERT_EQ(found.size(), expected.size());
     EXPECT_TRUE(std::equal(found.data(), found.data() + found.size(), expected.data())) << seed;
   };
-  const PluginAnswer held = detect(38);
+  const PluginAnswer kept = detect(38);
   for (std::uint32_t seed = 40; seed < 45; ++seed) {
     expect_those_of(seed, detect(seed));
     detector_.forget();  // the next answer goes where this one was
   }
-  expect_those_of(38, held);
+  expect_those_of(38, kept);
 }
 
 /// A GPU has answered before it is first asked whether to go on.

@@ -151,7 +151,7 @@ TEST_F(DescriptorsKeptOnTheDevice, AreLoadedOnceAndAgainWhenRootsAreAskedForOrNo
   }
 }
 
-TEST_F(DescriptorsKeptOnTheDevice, AreLoadedAgainAfterOthersHaveStoodInTheirPlace) {
+TEST_F(DescriptorsKeptOnTheDevice, AreLoadedAgainAfterOthersReplacedThem) {
   const auto other_device = std::make_shared<Device>(device_->handle());
   const auto unreachable = on_device<float>(
       kept_on(other_device,

@@ -81,7 +81,7 @@ TEST(Isolated, IsNoneWhereFewAreExpected) {
 }
 
 /// The same match with and without matches around: it bends the warp where nothing else is.
-TEST(Isolated, MatchesHaveNoSayInTheWarp) {
+TEST(Isolated, MatchesDoNotInfluenceTheWarp) {
   constexpr int kMatches = 800, kOnCopy = 3;
   Rng rng(35);
   Matches matches = seen_at_half_size(kMatches, 0, rng);

@@ -64,7 +64,7 @@ TEST(Nearest, AreFoundAmongSomeForAll) {
   EXPECT_EQ(nearest_of(points, among, 6), by_sorting(points, among, 6));
 }
 
-TEST(Nearest, EndWithNobodyWhereThereAreTooFew) {
+TEST(Nearest, EndWithNoPointWhereThereAreTooFew) {
   const Points2 points = draw(5, false, 31);
   EXPECT_EQ(nearest_of(points, first(5), 8), by_sorting(points, first(5), 8));
   EXPECT_EQ(nearest_of(points, {}, 2), Nearest(Nearest::Constant(5, 2, -1)));

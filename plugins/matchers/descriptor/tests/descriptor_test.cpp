@@ -201,7 +201,7 @@ TEST(DescriptorMatcher, TheRatioTestNeedsTwoKeypointsOnTheSideThatIsSearched) {
   EXPECT_EQ(matches_of(two, one, back).count(), 1);
 }
 
-TEST(DescriptorMatcher, AnImagePointHasOneMatchUnlessToldOtherwise) {
+TEST(DescriptorMatcher, AnImagePointHasOneMatchByDefault) {
   const Keypoints templ = l2_rows({{10, 2}, {10, 0}});
   const Keypoints image = l2_rows({{10, 0.5F}, {0, 10}});
   const Correspondences one = matches_of(templ, image, "{root_sift: false}");

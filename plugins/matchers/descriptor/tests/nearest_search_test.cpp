@@ -41,9 +41,9 @@ std::vector<Nearest> scan(const CoarseDistances& distances, const Array<double>&
       }
     }
     for (int j = 0; j < distances.trains(); ++j) {
-      const double apart =
+      const double gap_px =
           std::hypot(places(j, 0) - places(found.best, 0), places(j, 1) - places(found.best, 1));
-      if (j == found.best || (options.elsewhere_px > 0.0 && apart <= options.elsewhere_px))
+      if (j == found.best || (options.elsewhere_px > 0.0 && gap_px <= options.elsewhere_px))
         continue;
       const double distance = distances.distance(i, j);
       if (found.second < 0 || distance < found.second_distance) {

@@ -52,9 +52,9 @@ Nearest scan(const CoarseDistances& distances, int query, const SidePlaces& quer
   }
   if (found.best < 0) return found;
   const auto compete = [&](int j) {
-    const double apart =
+    const double gap_px =
         (trains.at_home[to_index(j)] - trains.at_home[to_index(found.best)]).norm();
-    if (j == found.best || (options.elsewhere_px > 0.0 && apart <= options.elsewhere_px)) return;
+    if (j == found.best || (options.elsewhere_px > 0.0 && gap_px <= options.elsewhere_px)) return;
     const double distance = distances.distance(query, j);
     if (found.second >= 0 && distance >= found.second_distance) return;
     found.second = j;

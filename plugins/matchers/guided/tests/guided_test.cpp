@@ -222,7 +222,7 @@ TEST(GuidedMatcher, DoesNotTakeMatchesToAnythingForASheetThatWasHardlySeen) {
   picture.add(print, {.y_m = 0.08});
   const Keypoints seen = picture.keypoints();
   // Weak ratios let many wrong matches pass: more than the previous frame kept.
-  PluginUnderTest plugin("matchers/guided", "{ratio: 0.95, whole: {use: matchers/descriptor}}");
+  PluginUnderTest plugin("matchers/guided", "{ratio: 0.95, matcher: {use: matchers/descriptor}}");
   const PluginAnswer out = run(plugin, print, seen, Past(print, {}, 40));
   EXPECT_EQ(evidence(out, "fallback"), 4.0) << evidence(out, "agreeing");
   EXPECT_GT(correct(pairs_of(out)), 0.9 * kOnSheet);
@@ -249,7 +249,7 @@ TEST(GuidedMatcher, LeavesAPosterThatLooksAlikeForTheSheet) {
   picture.add(print, {.distance_m = 1.2, .x_m = -0.2}, [](int i) { return i % 3 == 0; });
   const Keypoints seen = picture.keypoints();
   const std::string back =
-      "{direction: image_to_template, whole: {use: matchers/descriptor, params: {direction: "
+      "{direction: image_to_template, matcher: {use: matchers/descriptor, params: {direction: "
       "image_to_template}}}";
   PluginUnderTest plugin("matchers/guided", back);
   const PluginAnswer out = run(plugin, print, seen, Past(print, {.distance_m = 1.2, .x_m = -0.2}));

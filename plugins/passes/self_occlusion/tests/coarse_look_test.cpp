@@ -66,8 +66,9 @@ TEST(CoarseLook, ConfirmsAFineMeshThatHasFewerMatchesThanVertices) {
       weft::testing::draw_matches(sheet.templ, sheet.camera, sheet.flat_m, {300}, rng).matches;
   const Visibility fine = sheet.look(sheet.flat_m, "{}", &matches);
   const Visibility coarse = sheet.look(sheet.flat_m, "{vertices: 60}", &matches);
-  const auto seen = [](const Visibility& told) {
-    return std::count(told.visible.data(), told.visible.data() + told.visible.rows(), 1);
+  const auto seen = [](const Visibility& visibility) {
+    return std::count(visibility.visible.data(),
+                      visibility.visible.data() + visibility.visible.rows(), 1);
   };
   EXPECT_LT(seen(fine), 61 * 37 / 2);
   EXPECT_EQ(seen(coarse), 61 * 37);

@@ -45,7 +45,7 @@ std::vector<SightReason> reasons_of(const std::vector<Segment>& segments,
       .reason;
 }
 
-TEST(SightOfDegenerateMeshes, TellsThreeSquaresAtOneEdgeApart) {
+TEST(SightOfDegenerateMeshes, DistinguishesThreeSquaresAtOneEdge) {
   // The third goes back from the edge that it shares with the others, behind the second.
   const auto reason =
       reasons_of({{-0.05, 0.5, 0.0, 0.5}, {0.0, 0.5, 0.05, 0.5}, {0.0, 0.5, 0.04, 0.6}},

@@ -100,17 +100,17 @@ TEST(Sight, SeesExactlyTheNearSideOfASphere) {
     }
   }
   const Sight sight = sight_of(mesh);
-  int told = 0;
+  int decided = 0;
   for (Eigen::Index v = 0; v < mesh.vertices_m.rows(); ++v) {
     const Eigen::Vector3d sightline = mesh.vertices_m.row(v).normalized();
     const double cosine = -normals.row(v).dot(sightline);
     if (std::abs(cosine) < 0.15) continue;  // within a cell of the rim, or of the open poles
     if (std::abs(normals(v, 1)) > 0.9) continue;
-    ++told;
+    ++decided;
     EXPECT_EQ(sight.reason[to_index(v)] == SightReason::seen, cosine > 0.0)
         << "vertex " << v << ", cosine " << cosine;
   }
-  EXPECT_GT(told, 700);
+  EXPECT_GT(decided, 700);
 }
 
 TEST(Sight, FindsTheRimOfARolledSheetWhereTheSightlinesTouchIt) {
@@ -119,16 +119,16 @@ TEST(Sight, FindsTheRimOfARolledSheetWhereTheSightlinesTouchIt) {
   const Mesh mesh = rolled(121, 9, kRadius_m, kTurn_rad, 0.1);
   const Sight sight = sight_of(mesh);
   const double rim_rad = std::acos(kRadius_m / 0.6);
-  int right = 0, told = 0;
+  int right = 0, decided = 0;
   for (Eigen::Index v = 0; v < mesh.vertices_m.rows(); ++v) {
     const double angle = kTurn_rad * (static_cast<double>(v % 121) / 120.0 - 0.5);
     if (std::abs(std::abs(angle) - rim_rad) < 0.02 * kTurn_rad) continue;
-    ++told;
+    ++decided;
     const bool seen = sight.reason[to_index(v)] == SightReason::seen;
     right += seen == (std::abs(angle) < rim_rad) ? 1 : 0;
   }
-  EXPECT_GT(told, 900);
-  EXPECT_GE(right, 0.98 * told);
+  EXPECT_GT(decided, 900);
+  EXPECT_GE(right, 0.98 * decided);
 }
 
 TEST(Sight, IsThatOfABruteForceSearchOnCrumpledSheets) {

@@ -76,7 +76,7 @@ TEST_F(LiveFoxglove, IsServedUnderEachNameOfItsProtocol) {
   EXPECT_EQ(viewer.text()["op"], "advertise");
 }
 
-TEST_F(LiveFoxglove, IsToldTheServerAndItsChannelsWithTheirSchemas) {
+TEST_F(LiveFoxglove, ReceivesServerInfoAndChannelsWithTheirSchemas) {
   start();
   Viewer viewer(port_, kFoxgloveProtocol, "/");
   ASSERT_TRUE(viewer.is_open());
@@ -106,7 +106,7 @@ TEST_F(LiveFoxglove, MessagesHaveTheMembersOfTheirSchemas) {
   start();
   ShownFrame shown(frame(3), {});
   const LiveSetup setup{
-      Gate(asio::ip::address_v4::loopback(), "", ""), {}, camera_, {0, 1, 2}, "", {}};
+      AccessPolicy(asio::ip::address_v4::loopback(), "", ""), {}, camera_, {0, 1, 2}, "", {}};
   for (const auto& channel : foxglove::channels()) {
     const json schema = json::parse(foxglove::schema_of(channel.schema));
     const json message = json::parse(channel.message(shown, setup));
@@ -123,7 +123,7 @@ TEST_F(LiveFoxglove, GetsImageMeshCameraTransformsAndReport) {
   viewer.text();
   subscribe(viewer, {1, 2, 3, 4, 5});
   let_foxglove_read(viewer);
-  exchange_.put_frame(frame(3));
+  run_channel_.put_frame(frame(3));
   std::map<std::uint32_t, json> got;
   for (int i = 0; i < 5; ++i) {
     const Data each = data_for(viewer);
@@ -151,7 +151,7 @@ TEST_F(LiveFoxglove, GetsImageMeshCameraTransformsAndReport) {
 TEST_F(LiveFoxglove, SeesTheCameraOfTheSmallerImage) {
   ShownFrame shown(frame(0), {});
   const LiveSetup setup{
-      Gate(asio::ip::address_v4::loopback(), "", ""), {80, 320}, camera_, {}, "", {}};
+      AccessPolicy(asio::ip::address_v4::loopback(), "", ""), {80, 320}, camera_, {}, "", {}};
   const json camera = json::parse(foxglove::channels()[2].message(shown, setup));
   EXPECT_EQ(camera["width"], 320);
   EXPECT_EQ(camera["height"], 240);
@@ -160,7 +160,7 @@ TEST_F(LiveFoxglove, SeesTheCameraOfTheSmallerImage) {
   EXPECT_DOUBLE_EQ(camera["K"][2].get<double>(), (camera_.cx + 0.5) / 2 - 0.5);
 }
 
-TEST_F(LiveFoxglove, IsToldThatThereIsNoMesh) {
+TEST_F(LiveFoxglove, ReceivesAWarningThatThereIsNoMesh) {
   start();
   Viewer viewer(port_, kFoxgloveProtocol);
   viewer.text();
@@ -169,7 +169,7 @@ TEST_F(LiveFoxglove, IsToldThatThereIsNoMesh) {
   let_foxglove_read(viewer);
   FrameCopy lost;
   lost.frame = 4;
-  exchange_.put_frame(lost);  // without an image there is no message of one
+  run_channel_.put_frame(lost);  // without an image there is no message of one
   const Data mesh = data_for(viewer);
   EXPECT_EQ(mesh.subscription, 20U);
   EXPECT_EQ(mesh.message["deletions"][0]["type"], 1);
@@ -185,14 +185,14 @@ TEST_F(LiveFoxglove, GetsNothingMoreOfWhatItLeaves) {
   viewer.say(R"({"op":"unsubscribe","subscriptionIds":[40]})");
   let_foxglove_read(viewer);
   for (std::uint64_t number = 0; number < 3; ++number) {
-    exchange_.put_frame(frame(number));
+    run_channel_.put_frame(frame(number));
     const Data each = data_for(viewer);
     EXPECT_EQ(each.subscription, 50U);
     EXPECT_EQ(each.message["frame"], number);
   }
 }
 
-TEST_F(LiveFoxglove, IsToldWhatItCannotHave) {
+TEST_F(LiveFoxglove, ReceivesAWarningForWhatItCannotHave) {
   start();
   Viewer viewer(port_, kFoxgloveProtocol);
   viewer.text();

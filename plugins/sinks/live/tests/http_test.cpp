@@ -111,15 +111,15 @@ TEST_F(LiveHttp, AsksForTheTokenButForCodeThatHoldsNoSecret) {
 
 TEST_F(LiveHttp, SendsALineForEachFrameFromNowOn) {
   start();
-  exchange_.put_line("{\"frame\":0}");  // before anybody reads
+  run_channel_.put_line("{\"frame\":0}");  // before anybody reads
   asio::io_context context;
   beast::tcp_stream stream(context);
   stream.expires_after(kPatience);
   stream.socket().connect({asio::ip::address_v4::loopback(), port_});
   asio::write(stream.socket(), asio::buffer(request_for("/frames.jsonl", port_)));
-  wait_until([&] { return exchange_.is_read(); });
+  wait_until([&] { return run_channel_.is_read(); });
   for (int frame = 1; frame <= 20; ++frame) {
-    exchange_.put_line("{\"frame\":\n" + std::to_string(frame) + "}");
+    run_channel_.put_line("{\"frame\":\n" + std::to_string(frame) + "}");
   }
   server_->finish();
   std::string answer;
@@ -142,12 +142,12 @@ TEST_F(LiveHttp, LetsGoOfReadersThatSayMoreOrGoAway) {
     tcp::socket socket(context);
     socket.connect({asio::ip::address_v4::loopback(), port_});
     asio::write(socket, asio::buffer(request_for("/frames.jsonl", port_)));
-    wait_until([&] { return exchange_.is_read(); });
+    wait_until([&] { return run_channel_.is_read(); });
   }
-  wait_until([&] { return !exchange_.is_read(); });
+  wait_until([&] { return !run_channel_.is_read(); });
   EXPECT_THAT(answer_to(port_, request_for("/frames.jsonl", port_) + std::string(5'000, 'x')),
               StartsWith("HTTP/1.1 "));
-  wait_until([&] { return !exchange_.is_read(); });
+  wait_until([&] { return !run_channel_.is_read(); });
 }
 
 TEST_F(LiveHttp, EndsRequestsThatAreNeverFinished) {

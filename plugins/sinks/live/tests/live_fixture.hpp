@@ -75,12 +75,17 @@ class LiveServer : public ::testing::Test {
 
   void start(const std::string& token = "", const std::string& origin = "",
              Limits limits = patient()) {
-    LiveSetup setup{
-        Gate(asio::ip::address_v4::loopback(), token, origin), {}, camera_, {}, scene_, limits};
+    LiveSetup setup{AccessPolicy(asio::ip::address_v4::loopback(), token, origin),
+                    {},
+                    camera_,
+                    {},
+                    scene_,
+                    limits};
     for (std::int64_t f = 0; f < templ_.faces.rows(); ++f) {
       for (std::int64_t i = 0; i < 3; ++i) setup.faces.push_back(templ_.faces(f, i));
     }
-    auto started = start_server({asio::ip::address_v4::loopback(), 0}, std::move(setup), exchange_);
+    auto started =
+        start_server({asio::ip::address_v4::loopback(), 0}, std::move(setup), run_channel_);
     ASSERT_TRUE(started) << started.error().message;
     server_ = *std::move(started);
     port_ = server_->port();
@@ -93,7 +98,7 @@ class LiveServer : public ::testing::Test {
   /// Returns when the server has read all that the viewer has said so far.
   void let_server_read(Viewer& viewer) {
     viewer.say(R"({"type":"wish","number":0,"text":"step"})");
-    wait_until([&] { return !exchange_.take_wishes().empty(); });
+    wait_until([&] { return !run_channel_.take_change_requests().empty(); });
   }
 
   /// Of four vertices, and of pixels without two alike where noise is asked for.
@@ -118,7 +123,7 @@ class LiveServer : public ::testing::Test {
   Template templ_ = testing::make_template({2, 2, 0.2, 0.15, 40, 30});
   Camera camera_ = testing::make_camera();
   std::string scene_ = scene_members(templ_, camera_);
-  Exchange exchange_;
+  RunChannel run_channel_;
   std::unique_ptr<Server> server_;
   std::uint16_t port_ = 0;
 };

@@ -128,11 +128,11 @@ class LiveMalformed : public LiveServer {
     MalformedRequests requests(kSeed, port_);
     for (int i = 0; i < count; ++i) {
       const auto number = static_cast<std::uint64_t>(i);
-      if (i % 16 == 0) exchange_.put_frame(frame(number));
-      exchange_.take_wishes();
+      if (i % 16 == 0) run_channel_.put_frame(frame(number));
+      run_channel_.take_change_requests();
       send_malformed(port_, requests.next(), number);
     }
-    wait_until([&] { return !exchange_.is_watched() && !exchange_.is_read(); });
+    wait_until([&] { return !run_channel_.is_watched() && !run_channel_.is_read(); });
     EXPECT_EQ(status_of(get("/")), "200");
     Viewer viewer(port_);
     EXPECT_EQ(viewer.text()["type"], "hello");

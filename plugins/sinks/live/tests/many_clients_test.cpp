@@ -39,7 +39,7 @@ TEST_F(LiveClients, ThatStallHoldNothingUpAndKeepNoFrames) {
   [[maybe_unused]] std::size_t before = 0;
   constexpr std::uint64_t kLast = 1'000;
   for (std::uint64_t number = 1; number <= kLast; ++number) {
-    exchange_.put_frame(frame(number, 160, 120, true));
+    run_channel_.put_frame(frame(number, 160, 120, true));
     quick.ready();
     ASSERT_EQ(quick.frame().head["frame"], number);
     if (number % 20 == 0) {
@@ -70,13 +70,13 @@ TEST_F(LiveClients, MayComeStallAndGo) {
   start();
   for (int round = 0; round < 4; ++round) {
     Crowd crowd = viewers_at(port_, 50);
-    exchange_.put_frame(frame(static_cast<std::uint64_t>(round), 320, 240, true));
+    run_channel_.put_frame(frame(static_cast<std::uint64_t>(round), 320, 240, true));
     for (std::size_t i = 0; i < crowd.size(); i += 2) crowd[i]->ready();
     crowd.erase(crowd.begin() + 10, crowd.end());
     for (const auto& viewer : crowd) viewer->ready();
     EXPECT_EQ(crowd[1]->frame().head["frame"], round);
   }
-  wait_until([&] { return !exchange_.is_watched(); });
+  wait_until([&] { return !run_channel_.is_watched(); });
   EXPECT_TRUE(Viewer(port_).is_open());
 }
 
@@ -159,16 +159,16 @@ TEST_F(LiveClients, ThatTakeNothingAreLetGo) {
   Viewer viewer(port_);
   viewer.text();
   // More than the system keeps for a connection.
-  for (std::uint64_t number = 0; exchange_.is_watched() && number < 2'000; ++number) {
+  for (std::uint64_t number = 0; run_channel_.is_watched() && number < 2'000; ++number) {
     FrameCopy large = frame(number);
     large.vertices_m.assign(3'000'000, 0.5F);
-    exchange_.put_frame(large);
+    run_channel_.put_frame(large);
     error_code ignored;
     asio::write(viewer.connection(), asio::buffer("\x81\x90\0\0\0\0{\"type\":\"ready\"}", 22),
                 ignored);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  EXPECT_FALSE(exchange_.is_watched());
+  EXPECT_FALSE(run_channel_.is_watched());
 }
 
 TEST_F(LiveClients, ThatAnswerNothingAreLetGo) {
@@ -177,7 +177,7 @@ TEST_F(LiveClients, ThatAnswerNothingAreLetGo) {
   start("", "", limits);
   Viewer dead(port_);  // it answers only while it reads
   ASSERT_TRUE(dead.is_open());
-  wait_until([&] { return !exchange_.is_watched(); });
+  wait_until([&] { return !run_channel_.is_watched(); });
 }
 
 TEST_F(LiveClients, DoNotKeepTheRunFromEnding) {

@@ -116,12 +116,12 @@ TEST(LiveMessages, AnswerWithWordsOfAnyKind) {
 }
 
 TEST(LiveMessages, OfClientsAreReadOrRefusedWithTheReason) {
-  EXPECT_FALSE(parse_said(R"({"type":"ready"})")->is_wish);
-  const auto wish = parse_said(R"({"type":"wish","number":5,"text":"set a.b=1"})");
-  ASSERT_TRUE(wish);
-  EXPECT_TRUE(wish->is_wish);
-  EXPECT_EQ(wish->number, 5U);
-  EXPECT_EQ(wish->text, "set a.b=1");
+  EXPECT_FALSE(parse_said(R"({"type":"ready"})")->is_change_request);
+  const auto request = parse_said(R"({"type":"wish","number":5,"text":"set a.b=1"})");
+  ASSERT_TRUE(request);
+  EXPECT_TRUE(request->is_change_request);
+  EXPECT_EQ(request->number, 5U);
+  EXPECT_EQ(request->text, "set a.b=1");
   const std::pair<std::string, std::string> kWrong[] = {
       {"", "no JSON object"},
       {"[1]", "no JSON object"},

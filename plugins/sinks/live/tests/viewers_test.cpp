@@ -18,7 +18,7 @@ TEST_F(LiveViewers, AreGreetedAndThenGetFramesWhenTheyAreReady) {
   EXPECT_EQ(hello["camera"]["width_px"], 640);
   EXPECT_TRUE(hello["settings"].is_null());
   for (std::uint64_t number = 0; number < 5; ++number) {
-    exchange_.put_frame(frame(number));
+    run_channel_.put_frame(frame(number));
     viewer.ready();
     const Decoded decoded = viewer.frame();
     EXPECT_EQ(decoded.head["frame"], number);
@@ -30,7 +30,7 @@ TEST_F(LiveViewers, AreGreetedAndThenGetFramesWhenTheyAreReady) {
   }
 }
 
-TEST_F(LiveViewers, AreToldWhenTheRunHasNoFrameAndWhenItHasOneAgain) {
+TEST_F(LiveViewers, AreNotifiedWhenFramesStopAndWhenTheyContinue) {
   Limits limits;
   limits.still = std::chrono::milliseconds(50);
   start("", "", limits);
@@ -40,7 +40,7 @@ TEST_F(LiveViewers, AreToldWhenTheRunHasNoFrameAndWhenItHasOneAgain) {
   Viewer late(port_);
   EXPECT_EQ(late.text()["type"], "hello");
   EXPECT_EQ(late.text(), json::parse(R"({"type":"still","still":true})"));
-  exchange_.put_frame(frame(1));
+  run_channel_.put_frame(frame(1));
   EXPECT_EQ(viewer.text(), json::parse(R"({"type":"still","still":false})"));
 }
 
@@ -49,15 +49,15 @@ TEST_F(LiveViewers, WaitForTheNextFrameWhereTheyHaveHadTheNewest) {
   Viewer viewer(port_);
   viewer.text();
   viewer.ready();
-  exchange_.put_frame(frame(1));
+  run_channel_.put_frame(frame(1));
   EXPECT_EQ(viewer.frame().head["frame"], 1);
   viewer.ready();
   viewer.ready();  // says no more than one of them
   let_server_read(viewer);
-  exchange_.put_frame(frame(2));
+  run_channel_.put_frame(frame(2));
   EXPECT_EQ(viewer.frame().head["frame"], 2);
-  exchange_.put_frame(frame(3));
-  exchange_.put_settings("{}");
+  run_channel_.put_frame(frame(3));
+  run_channel_.put_settings("{}");
   EXPECT_EQ(viewer.text()["type"], "settings") << "and no frame that it is not ready for";
 }
 
@@ -65,7 +65,7 @@ TEST_F(LiveViewers, GetTheNewestFrameAfterAPause) {
   start();
   Viewer viewer(port_), late(port_);
   viewer.text();
-  for (std::uint64_t number = 0; number < 50; ++number) exchange_.put_frame(frame(number));
+  for (std::uint64_t number = 0; number < 50; ++number) run_channel_.put_frame(frame(number));
   viewer.ready();
   EXPECT_EQ(viewer.frame().head["frame"], 49);
   late.text();
@@ -78,21 +78,21 @@ TEST_F(LiveViewers, WhoComeLaterAreNotShownAFrameThatHasPassed) {
   {
     Viewer first(port_);
     first.text();
-    exchange_.put_frame(frame(1));
+    run_channel_.put_frame(frame(1));
     first.ready();
     EXPECT_EQ(first.frame().head["frame"], 1);
   }
-  wait_until([&] { return !exchange_.is_watched(); });
+  wait_until([&] { return !run_channel_.is_watched(); });
   Viewer next(port_);  // of a run that pauses: its newest frame is still that one
   next.text();
   next.ready();
   EXPECT_EQ(next.frame().head["frame"], 1);
-  exchange_.pass_frame();
+  run_channel_.pass_frame();
   Viewer later(port_);
   later.text();
   later.ready();
   let_server_read(later);
-  exchange_.put_frame(frame(9));
+  run_channel_.put_frame(frame(9));
   EXPECT_EQ(later.frame().head["frame"], 9);
 }
 
@@ -104,29 +104,29 @@ TEST_F(LiveViewers, GetFramesWithoutAShapeAndWithoutAnImageToo) {
   lost.frame = 3;
   lost.report = R"({"state":"none"})";
   viewer.ready();
-  exchange_.put_frame(lost);
+  run_channel_.put_frame(lost);
   const Decoded decoded = viewer.frame();
   EXPECT_EQ(decoded.head["report"]["state"], "none");
   EXPECT_TRUE(decoded.parts.empty());
 }
 
-TEST_F(LiveViewers, AreToldTheSettingsAtFirstAndWhenTheyChange) {
+TEST_F(LiveViewers, ReceiveTheSettingsAtFirstAndWhenTheyChange) {
   start();
   Viewer first(port_);
   EXPECT_TRUE(first.text()["settings"].is_null());
-  exchange_.put_settings(R"({"a":1})");
+  run_channel_.put_settings(R"({"a":1})");
   EXPECT_EQ(first.text()["settings"]["a"], 1);
   Viewer second(port_);
   EXPECT_EQ(second.text()["settings"]["a"], 1);
-  exchange_.put_settings(R"({"a":2})");
+  run_channel_.put_settings(R"({"a":2})");
   for (Viewer* viewer : {&first, &second}) {
-    const json told = viewer->text();
-    EXPECT_EQ(told["type"], "settings");
-    EXPECT_EQ(told["settings"]["a"], 2);
+    const json received = viewer->text();
+    EXPECT_EQ(received["type"], "settings");
+    EXPECT_EQ(received["settings"]["a"], 2);
   }
 }
 
-TEST_F(LiveViewers, ThatSayWhatNobodyUnderstandsAreClosedWithTheReason) {
+TEST_F(LiveViewers, ThatSendAnInvalidMessageAreClosedWithTheReason) {
   start();
   for (const auto& [message, why] :
        {std::pair("hello", "no JSON object"), std::pair(R"({"type":"go"})", "another type")}) {
@@ -167,7 +167,7 @@ TEST_F(LiveViewers, WhoseBytesAreNoWebSocketAreClosed) {
     viewer.read();
     EXPECT_TRUE(viewer.error());
   }
-  wait_until([&] { return !exchange_.is_watched(); });
+  wait_until([&] { return !run_channel_.is_watched(); });
 }
 
 TEST_F(LiveViewers, MustNameAProtocol) {
@@ -179,13 +179,13 @@ TEST_F(LiveViewers, MustNameAProtocol) {
   EXPECT_TRUE(Viewer(port_, "chat, weft.live.1").is_open());
 }
 
-TEST_F(LiveViewers, GetTheLastFrameAndAreToldThatTheRunHasEnded) {
+TEST_F(LiveViewers, ReceiveTheLastFrameAndTheEndOfTheRun) {
   start();
   Viewer viewer(port_);
   viewer.text();
   viewer.ready();
   let_server_read(viewer);
-  exchange_.put_frame(frame(8));
+  run_channel_.put_frame(frame(8));
   server_->finish();
   server_.reset();
   EXPECT_EQ(viewer.frame().head["frame"], 8);
@@ -196,13 +196,13 @@ TEST_F(LiveViewers, GetTheLastFrameAndAreToldThatTheRunHasEnded) {
 
 TEST_F(LiveViewers, AreWorthCopyingFramesForWhileTheyAreThere) {
   start();
-  EXPECT_FALSE(exchange_.is_watched());
+  EXPECT_FALSE(run_channel_.is_watched());
   {
     Viewer viewer(port_);
     viewer.text();
-    EXPECT_TRUE(exchange_.is_watched());
+    EXPECT_TRUE(run_channel_.is_watched());
   }
-  wait_until([&] { return !exchange_.is_watched(); });
+  wait_until([&] { return !run_channel_.is_watched(); });
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ TEST(Caption, MarksTheConfidenceOnItsScale) {
   EXPECT_NEAR(half, 0.5 * (none + full), 2.0);
 }
 
-TEST(ConfidenceColour, IsToldApartWithoutRedAndGreen) {
+TEST(ConfidenceColour, IsDistinguishableWithoutRedAndGreen) {
   // The amount of blue alone tells it.
   double before = -1.0;
   for (double confidence = 0.0; confidence <= 1.0; confidence += 0.125) {

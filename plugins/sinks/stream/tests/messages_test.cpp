@@ -105,7 +105,7 @@ TEST(StreamMessages, OfJsonReadBackAsTheSameNumbers) {
   EXPECT_EQ(std::strtod(line.c_str() + at, nullptr), 1.0 / 3.0);
 }
 
-TEST(StreamMessages, FollowRowsThatStandApart) {
+TEST(StreamMessages, FollowRowsWithAStride) {
   Shape shape = two_vertices();
   const std::string whole = packed({0, 0.0, shape, true});
   const std::string line = json_line({0, 0.0, shape, true});

@@ -69,7 +69,7 @@ TEST_F(StreamSink, RefusesAShapeThatIsNoShapeOfThisTemplate) {
   EXPECT_EQ(read_file(path("points")), "");
 }
 
-TEST_F(StreamSink, GivesAllFramesToAPipeAndSaysWhenNobodyReadsItAnyMore) {
+TEST_F(StreamSink, WritesAllFramesToAPipeAndReportsABrokenPipe) {
   ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
   const std::string params = "{path: '" + path("pipe") + "'}";
   expect_refused(params, "start its reader first");
@@ -93,7 +93,7 @@ TEST_F(StreamSink, GivesAllFramesToAPipeAndSaysWhenNobodyReadsItAnyMore) {
   close(late);
 }
 
-TEST_F(StreamSink, WaitsForThePipeUntilItIsToldToStop) {
+TEST_F(StreamSink, WaitsForThePipeUntilItIsCancelled) {
   ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
   const int reader = ::open(path("pipe").c_str(), O_RDONLY | O_NONBLOCK);
   ASSERT_GE(reader, 0);

@@ -127,14 +127,14 @@ TEST(DepthAdmm, AnAnchorHoldsAPointAndWhatHangsOnIt) {
   const std::vector<DepthAnchor> anchors{{0, {0.0, 0.0, 0.2}, 0.01}};
   DepthAdmm admm;
   admm.set_graph(edges, 2);
-  const DepthResult held = admm.solve(rays, {1e-9, 100000, 0.0}, never, anchors);
-  ASSERT_TRUE(held.converged);
-  EXPECT_NEAR(held.depths_m[0], 0.21, 1e-6);
+  const DepthResult anchored = admm.solve(rays, {1e-9, 100000, 0.0}, never, anchors);
+  ASSERT_TRUE(anchored.converged);
+  EXPECT_NEAR(anchored.depths_m[0], 0.21, 1e-6);
   const double across_m = 0.21 * std::sin(0.2);
-  EXPECT_NEAR(held.depths_m[1], 0.21 * std::cos(0.2) + std::sqrt(0.06 * 0.06 - across_m * across_m),
-              1e-6);
-  ASSERT_EQ(held.tensions.size(), 2U);
-  EXPECT_GT(held.tensions[1], 1.0);
+  EXPECT_NEAR(anchored.depths_m[1],
+              0.21 * std::cos(0.2) + std::sqrt(0.06 * 0.06 - across_m * across_m), 1e-6);
+  ASSERT_EQ(anchored.tensions.size(), 2U);
+  EXPECT_GT(anchored.tensions[1], 1.0);
   const DepthResult free = admm.solve(rays, {1e-9, 100000, 0.0}, never);
   EXPECT_GT(free.depths_m[0], 0.25);
   EXPECT_EQ(free.tensions.size(), 1U);

@@ -49,7 +49,7 @@ TEST(BrunetRefine, GivesBackPlanesAndCylinders) {
 TEST(BrunetRefine, IsNearerToTheTruthThanItsStart) {
   std::cout << "seed 15\n";
   PluginUnderTest plugin(kId), start("solvers/bartoli_isometric");
-  PluginUnderTest closed_form(kId, "{start: {use: solvers/bartoli_isometric}}");
+  PluginUnderTest closed_form(kId, "{initial_guess: {use: solvers/bartoli_isometric}}");
   for (const double radius_m : {0.25, -0.25}) {
     const Scene scene(radius_m, 200, 0.5, 15);
     const double start_m = scene.mean_error_m(solved(scene.run(start)));

@@ -120,7 +120,7 @@ TEST(CoarseToFine, OfParticleSftIsNearlyAsExactColdAndWarmAsAMeshOfAsManyVertice
 
 TEST(CoarseToFine, OfGaussNewtonMeetsACylinderAndAnSBend) {
   std::cout << "seed " << kSeed << "\n";
-  PluginUnderTest solver(kId, "{vertices: 160, of: {use: solvers/gauss_newton}}");
+  PluginUnderTest solver(kId, "{vertices: 160, solver: {use: solvers/gauss_newton}}");
   for (const auto& sheet : {cylinder(), s_bend()}) {
     const Scene fine(sheet_of(41, 27), sheet);
     const Shape cold = solved(fine.run(solver)), warm = solved(fine.run(solver, &cold));

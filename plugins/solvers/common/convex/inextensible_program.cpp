@@ -121,17 +121,17 @@ double InextensibleProgram::translation_pull(std::span<const SeenPoint> points,
   const Pinhole pinhole{camera.fx, camera.fy, camera.cx, camera.cy};
   const auto parts = to_index(part_count_);
   std::vector<Eigen::Vector3d> pulls(parts, Eigen::Vector3d::Zero());
-  std::vector<Eigen::Matrix3d> held(parts, Eigen::Matrix3d::Zero());
+  std::vector<Eigen::Matrix3d> normal_matrices(parts, Eigen::Matrix3d::Zero());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::size_t part = to_index(part_[to_index(points[i].corners[0])]);
     const auto rows = reprojection_rows(camera, points[i].seen_px);
     pulls[part] += weights[i] * unit_ray(pinhole, points[i].seen_px);
-    held[part] += weights[i] * weights[i] * rows.transpose() * rows;
+    normal_matrices[part] += weights[i] * weights[i] * rows.transpose() * rows;
   }
   double pull2 = 0.0;
   for (std::size_t part = 0; part < parts; ++part) {
     if (pulls[part].isZero(0.0)) continue;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(held[part]);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(normal_matrices[part]);
     const Eigen::Vector3d& values = axes.eigenvalues();
     if (!(values[0] > kSamePlace * values[2])) return std::numeric_limits<double>::infinity();
     const Eigen::Vector3d along = axes.eigenvectors().transpose() * pulls[part];

@@ -30,15 +30,20 @@ Result<MeshAtRest> mesh_at_rest(const Template& templ) {
 
 void InextensibleSurface::declare(Params& p, int rounds) {
   rounds_ = rounds;
-  p.read("depth_weight_px", options_.depth_weight_px, "px", {1e-6, 1e6},
-         "of the distances of all matches against the norm of their errors in the image");
-  p.read("rounds", rounds_, "", {1, 20},
-         "how often the program is solved at most: again while matches are far off");
-  p.read("outlier_px", outlier_px_, "px", {0.1, 1e6},
-         "matches that are further off are left out of the second round; halved after each");
+  p.read(
+      "depth_weight_px", options_.depth_weight_px, "px", {1e-6, 1e6},
+      "weight of the summed distances of the matches, relative to the norm of their image errors");
+  p.read(
+      "rounds", rounds_, "", {1, 20},
+      "maximum number of solves; a solve is repeated while some matches have large image errors");
+  p.read(
+      "outlier_px", outlier_px_, "px", {0.1, 1e6},
+      "image error above which a match is excluded from the second round; halved after each round");
   p.read("tolerance", options_.tolerance, "", {1e-10, 0.1},
-         "how near the optimum is, in parts of the distance");
-  p.read("max_iterations", options_.max_iterations, "", {1, 1000000}, "Newton steps of a round");
+         "optimality gap per match at which the solver stops, relative to the distance of the "
+         "surface");
+  p.read("max_iterations", options_.max_iterations, "", {1, 1000000},
+         "maximum number of Newton steps per round");
 }
 
 Result<void> InextensibleSurface::set_mesh(const Template& templ, MeshAtRest mesh,
@@ -80,8 +85,8 @@ std::vector<std::uint8_t> InextensibleSurface::parts_with_matches() const {
 }
 
 Result<Points3> InextensibleSurface::fill(const Template& templ, const Points3View& vertices_m,
-                                          const std::vector<std::uint8_t>& held) const {
-  return fill_with_least_bending(templ.vertices_m.matrix<3>(), hinges_, mean_edge_m_, held,
+                                          const std::vector<std::uint8_t>& fixed) const {
+  return fill_with_least_bending(templ.vertices_m.matrix<3>(), hinges_, mean_edge_m_, fixed,
                                  vertices_m);
 }
 

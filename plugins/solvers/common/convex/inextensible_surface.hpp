@@ -51,7 +51,7 @@ class InextensibleSurface {
   /// Vertices [V,3] m with those that are not held [V] where the mesh bends least. Fails as
   /// fill_with_least_bending does.
   Result<Points3> fill(const Template& templ, const Points3View& vertices_m,
-                       const std::vector<std::uint8_t>& held) const;
+                       const std::vector<std::uint8_t>& fixed) const;
 
   /// [V] 1 for vertices of faces with a match that counts.
   std::vector<std::uint8_t> vertices_with_matches() const;

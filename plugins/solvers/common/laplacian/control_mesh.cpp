@@ -120,7 +120,8 @@ std::array<std::int32_t, 4> outermost(const Points3View& rest_m) {
 
 }  // namespace
 
-std::vector<std::int32_t> far_apart(const Points3View& rest_m, const EdgesView& edges, int count) {
+std::vector<std::int32_t> farthest_vertices(const Points3View& rest_m, const EdgesView& edges,
+                                            int count) {
   const IndexLists neighbours = vertex_neighbours(edges, rest_m.rows());
   std::vector<double> nearest_m(to_index(rest_m.rows()), std::numeric_limits<double>::infinity());
   std::vector<std::int32_t> chosen;
@@ -159,7 +160,7 @@ Result<ControlMesh> make_control_mesh(const Template& templ, int control_count) 
   auto edges = distance_constraints(topology->edges, mesh.rest_m);
   if (!edges) return edges.error();
   mesh.edges = *std::move(edges);
-  mesh.controls = far_apart(mesh.rest_m, topology->edges, control_count);
+  mesh.controls = farthest_vertices(mesh.rest_m, topology->edges, control_count);
   const AffineRows affine = affine_rows(mesh.rest_m, mesh.faces, *topology);
   mesh.flat = affine.flat;
   const auto eliminated = eliminate(affine.rows, mesh.controls);

@@ -36,6 +36,7 @@ Result<ControlMesh> make_control_mesh(const Template& templ, int control_count);
 /// Vertices far apart along the surface: those that reach furthest along the diagonals, of a sheet
 /// its corners, then each the furthest from those before it (farthest point sampling). All, if
 /// there are no more.
-std::vector<std::int32_t> far_apart(const Points3View& rest_m, const EdgesView& edges, int count);
+std::vector<std::int32_t> farthest_vertices(const Points3View& rest_m, const EdgesView& edges,
+                                            int count);
 
 }  // namespace weft::solvers

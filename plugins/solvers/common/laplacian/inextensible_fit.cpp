@@ -59,7 +59,7 @@ class Admm {
     project(copies_m_);
     duals_m_ += relaxed_m - copies_m_;
     const double scale = 1.0 / std::sqrt(static_cast<double>(copies_m_.rows()));
-    apart_m = scale * (edges_m - copies_m_).norm();
+    distance_m = scale * (edges_m - copies_m_).norm();
     moved_m = scale * (copies_m_ - before_m).norm();
   }
 
@@ -67,8 +67,8 @@ class Admm {
   void balance() {
     constexpr double kFar = 10.0;
     double factor = 1.0;
-    if (apart_m > kFar * moved_m) factor = 2.0;
-    if (moved_m > apart_m) factor = 0.5;
+    if (distance_m > kFar * moved_m) factor = 2.0;
+    if (moved_m > distance_m) factor = 0.5;
     if (factor == 1.0) return;
     penalty_ *= factor;
     duals_m_ /= factor;
@@ -77,8 +77,8 @@ class Admm {
 
   const Eigen::MatrixX3d& controls_m() const { return controls_m_; }
 
-  double apart_m = 0.0;  ///< [] m
-  double moved_m = 0.0;  ///< [] m
+  double distance_m = 0.0;  ///< [] m
+  double moved_m = 0.0;     ///< [] m
 
  private:
   void project(Eigen::MatrixX3d& edges_m) const {
@@ -121,7 +121,7 @@ InextensibleFit inextensible_fit(const ControlMesh& mesh, const SeenMatches& mat
     admm.step();
     ++fit.iterations;
     fit.converged =
-        admm.apart_m <= options.tolerance_m && admm.moved_m <= kAtRest * options.tolerance_m;
+        admm.distance_m <= options.tolerance_m && admm.moved_m <= kAtRest * options.tolerance_m;
     if (fit.iterations % kIterationsPerPenalty == 0) admm.balance();
   }
   fit.controls_m = admm.controls_m();

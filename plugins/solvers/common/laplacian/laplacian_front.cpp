@@ -11,21 +11,20 @@ void LaplacianFront::declare(Params& p, Preset preset) {
     search_.affine_test = true;
   }
   p.read("controls", controls_, "", {4, 200},
-         "vertices, far apart on the mesh, that move the others");
-  p.read("reject_outliers", search_.rejects,
-         "look for the matches that agree, which needs no filter before; else all that are kept "
-         "count");
+         "number of control vertices, far apart on the mesh, that determine the other vertices");
+  p.read(
+      "reject_outliers", search_.rejects,
+      "outlier rejection by the solver, without a filter before it; false: all kept matches count");
   p.read("affine_test", search_.affine_test,
-         "before the first test, reject the matches that are far from the affine map of least "
-         "distances");
+         "rejection, before the first test, of matches far from the affine map of least distances");
   p.read("radius_px", search_.radius_px, "px", {0.5, 1000.0},
-         "matches further than that from the sheet of the last test are outliers");
+         "distance from the surface of the last test above which a match is an outlier");
   p.read("tests", search_.tests, "", {1, 10},
-         "of the matches, each with half the radius and half the stiffness of the one before");
+         "number of tests of the matches, each with half the radius and half the stiffness of the "
+         "previous one");
   p.read("stiffness", search_.stiffness, "", {1e-3, 1e3},
          "weight of the regularisation in the linear shape after the last test");
-  p.read("min_matches", search_.fewest, "", {4, 1000000},
-         "with fewer inliers there is no result for the frame");
+  p.read("min_matches", search_.fewest, "", {4, 1000000}, "minimum number of inliers for a result");
 }
 
 Result<void> LaplacianFront::read(const SolverInput& in) {

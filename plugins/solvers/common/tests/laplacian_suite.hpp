@@ -61,7 +61,7 @@ TEST_P(LaplacianSolver, NeedsNoFilterWhereHalfOfTheMatchesAreWrong) {
   }
 }
 
-TEST_P(LaplacianSolver, CountsAllMatchesWhereItIsToldTo) {
+TEST_P(LaplacianSolver, CountsAllMatchesWhereConfigured) {
   const MatchedScene scene = scene_of(0.25, {200, 1.0, 3.0});
   auto all = plugin("{reject_outliers: false}"), agreeing = plugin("{radius_px: 5}");
   EXPECT_EQ(given(scene.run(all)).diag.value("inliers", 0.0), 200.0);

@@ -155,11 +155,11 @@ TEST(ControlMesh, AFinerMeshBendsAsHard) {
   EXPECT_NEAR(energy(testing::make_template(fine)) / coarse, 1.0, 0.35);
 }
 
-TEST(FarApart, ChoosesTheCornersFirst) {
+TEST(FarthestVertices, ChoosesTheCornersFirst) {
   const Template templ = flat_template();
   const Faces faces = templ.faces.matrix<3>();
   const Points3 rest_m = templ.vertices_m.matrix<3>();
-  const auto chosen = far_apart(rest_m, build_topology(faces, rest_m.rows())->edges, 8);
+  const auto chosen = farthest_vertices(rest_m, build_topology(faces, rest_m.rows())->edges, 8);
   EXPECT_THAT(std::vector<std::int32_t>(chosen.begin(), chosen.begin() + 4),
               ::testing::UnorderedElementsAre(0, 9, 50, 59));
   EXPECT_EQ(std::set<std::int32_t>(chosen.begin(), chosen.end()).size(), 8U);
@@ -269,7 +269,7 @@ TEST(FindInliers, SeparatesHalfOfTheMatchesFromTheOthers) {
   }
 }
 
-TEST(FindInliers, KeepsAllWhereItIsToldTo) {
+TEST(FindInliers, KeepsAllWhereConfigured) {
   const Seen seen(0.25, {200, 0.5, 0.5});
   InlierSearchOptions options;
   options.rejects = false;

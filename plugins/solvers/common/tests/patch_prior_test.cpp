@@ -67,15 +67,15 @@ TEST(PatchPrior, NormSlopeAndSquareAreThoseOfItsMatrix) {
   Couplings couplings;
   prior.couple(couplings);
   const Eigen::MatrixXd square = matrix.transpose() * matrix;
-  Eigen::MatrixXd told = Eigen::MatrixXd::Zero(35, 35);
+  Eigen::MatrixXd assembled = Eigen::MatrixXd::Zero(35, 35);
   for (std::size_t v = 0; v < prior.diagonal().size(); ++v) {
-    told(static_cast<Eigen::Index>(v), static_cast<Eigen::Index>(v)) = prior.diagonal()[v];
+    assembled(static_cast<Eigen::Index>(v), static_cast<Eigen::Index>(v)) = prior.diagonal()[v];
   }
   for (std::size_t pair = 0; pair < prior.coupling().size(); ++pair) {
     const auto [i, j] = couplings.pairs()[pair];
-    told(i, j) = told(j, i) = prior.coupling()[pair];
+    assembled(i, j) = assembled(j, i) = prior.coupling()[pair];
   }
-  EXPECT_LT((told - square).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((assembled - square).cwiseAbs().maxCoeff(), 1e-9);
 }
 
 /// lambda of a prior with so many rows over d sum_i w_i, weights 1, as InextensibleProgram says.

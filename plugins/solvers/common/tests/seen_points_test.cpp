@@ -104,7 +104,7 @@ TEST(SeenPoints, SaysWhatIsWrongWithMatches) {
             "the matches lie on a line of the template");
 }
 
-TEST(LeastBending, ContinuesAPlaneExactlyAndLeavesHeldVerticesAlone) {
+TEST(LeastBending, ContinuesAPlaneExactlyAndKeepsFixedVertices) {
   const Template templ = testing::make_template();
   const auto rest_m = templ.vertices_m.matrix<3>();
   const auto faces = templ.faces.matrix<3>();
@@ -114,17 +114,17 @@ TEST(LeastBending, ContinuesAPlaneExactlyAndLeavesHeldVerticesAlone) {
   const double edge_m = mean_edge_length(rest_m, topology->edges);
   const Points3 plane_m =
       testing::bent_vertices(templ, testing::make_cylinder({}, 1e9, 0.0, {.tilt_y_rad = 0.5}));
-  std::vector<std::uint8_t> held(60, 1);
+  std::vector<std::uint8_t> fixed(60, 1);
   Points3 torn_m = plane_m;
   for (const Eigen::Index v : {0, 9, 25, 26, 59}) {
-    held[static_cast<std::size_t>(v)] = 0;
+    fixed[static_cast<std::size_t>(v)] = 0;
     torn_m.row(v) *= 1.5;
   }
-  const auto filled = fill_with_least_bending(rest_m, hinges, edge_m, held, torn_m);
+  const auto filled = fill_with_least_bending(rest_m, hinges, edge_m, fixed, torn_m);
   ASSERT_TRUE(filled);
   EXPECT_LT((*filled - plane_m).cwiseAbs().maxCoeff(), 1e-7);
-  for (std::size_t v = 2; v < held.size(); ++v) held[v] = 0;
-  EXPECT_EQ(fill_with_least_bending(rest_m, hinges, edge_m, held, torn_m).error().code,
+  for (std::size_t v = 2; v < fixed.size(); ++v) fixed[v] = 0;
+  EXPECT_EQ(fill_with_least_bending(rest_m, hinges, edge_m, fixed, torn_m).error().code,
             Errc::no_result);
 }
 

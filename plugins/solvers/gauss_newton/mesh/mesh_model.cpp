@@ -83,43 +83,54 @@ Result<void> MeshModel::build(const Template& templ, double smoothing) {
   for (const std::int32_t e : topology->boundary_edges) {
     border.insert(border.end(), {topology->edges(e, 0), topology->edges(e, 1)});
   }
-
   Points3 normals(faces.rows(), 3);
   face_normals(rest_m, faces, normals);
+  build_hinges(*topology, normals, numbers);
+  couplings = numbers.pairs();
+  build_shares(*topology, normals);
+  return {};
+}
+
+void MeshModel::build_hinges(const MeshTopology& topology, const Points3& normals,
+                             Couplings& numbers) {
   hinges.clear();
-  std::vector<std::array<std::int32_t, 2>> ends_of_pair;
   face_arcs.resize(faces.rows(), 3);
-  for (Eigen::Index e = 0; e < topology->edges.rows(); ++e) {
+  for (Eigen::Index e = 0; e < topology.edges.rows(); ++e) {
     worked_in_loop(e, 40);
-    std::int32_t a = topology->edges(e, 0), b = topology->edges(e, 1);
+    const std::int32_t a = topology.edges(e, 0), b = topology.edges(e, 1);
     for (Eigen::Index side = 0; side < 2; ++side) {
-      const std::int32_t f = topology->edge_faces(e, side);
+      const std::int32_t f = topology.edge_faces(e, side);
       for (Eigen::Index k = 0; f >= 0 && k < 3; ++k) {
         const auto [low, high] = std::minmax(faces(f, k), faces(f, (k + 1) % 3));
         if (low == a && high == b) face_arcs(f, k) = static_cast<std::int32_t>(e);
       }
     }
-    const std::int32_t first = topology->edge_faces(e, 0), second = topology->edge_faces(e, 1);
-    if (second < 0) continue;
-    ends_of_pair.push_back({a, b});
-    const double area2 = normals.row(first).norm(), other2 = normals.row(second).norm();
-    const double length2 = (rest_m.row(a) - rest_m.row(b)).squaredNorm();
-    if (!(area2 > 1e-9 * length2 && other2 > 1e-9 * length2)) continue;
-    if (!runs(faces, first, a, b)) std::swap(a, b);
-    Hinge hinge;
-    const std::int32_t c = detail::opposite_vertex(faces, first, a, b);
-    const std::int32_t d = detail::opposite_vertex(faces, second, a, b);
-    hinge.vertex = {a, b, c, d};
-    hinge.face = {first, second};
-    hinge.coupling = {numbers.of(a, b), numbers.of(a, c), numbers.of(a, d),
-                      numbers.of(b, c), numbers.of(b, d), numbers.of(c, d)};
-    hinge.weight = 6.0 * length2 / (area2 + other2);
-    hinge.width_m = (area2 + other2) / (3.0 * std::sqrt(length2));
-    hinge.rest_rad = angle_rad(hinge, normals, rest_m);
-    hinges.push_back(hinge);
+    if (topology.edge_faces(e, 1) >= 0) add_hinge(topology, e, normals, numbers);
   }
-  couplings = numbers.pairs();
+}
 
+void MeshModel::add_hinge(const MeshTopology& topology, Eigen::Index e, const Points3& normals,
+                          Couplings& numbers) {
+  std::int32_t a = topology.edges(e, 0), b = topology.edges(e, 1);
+  const std::int32_t first = topology.edge_faces(e, 0), second = topology.edge_faces(e, 1);
+  const double area2 = normals.row(first).norm(), other2 = normals.row(second).norm();
+  const double length2 = (rest_m.row(a) - rest_m.row(b)).squaredNorm();
+  if (!(area2 > 1e-9 * length2 && other2 > 1e-9 * length2)) return;
+  if (!runs(faces, first, a, b)) std::swap(a, b);
+  Hinge hinge;
+  const std::int32_t c = detail::opposite_vertex(faces, first, a, b);
+  const std::int32_t d = detail::opposite_vertex(faces, second, a, b);
+  hinge.vertex = {a, b, c, d};
+  hinge.face = {first, second};
+  hinge.coupling = {numbers.of(a, b), numbers.of(a, c), numbers.of(a, d),
+                    numbers.of(b, c), numbers.of(b, d), numbers.of(c, d)};
+  hinge.weight = 6.0 * length2 / (area2 + other2);
+  hinge.width_m = (area2 + other2) / (3.0 * std::sqrt(length2));
+  hinge.rest_rad = angle_rad(hinge, normals, rest_m);
+  hinges.push_back(hinge);
+}
+
+void MeshModel::build_shares(const MeshTopology& topology, const Points3& normals) {
   BendFit fit(*this, normals);
   shares.clear();
   const auto find_shares = [&](Arc& arc, const std::array<std::int32_t, 2>& around) {
@@ -132,8 +143,12 @@ Result<void> MeshModel::build(const Template& templ, double smoothing) {
     }
   };
   for (Arc& edge : edges) find_shares(edge, {edge.i, edge.j});
-  for (std::size_t p = 0; p < pairs.size(); ++p) find_shares(pairs[p], ends_of_pair[p]);
-  return {};
+  // A pair of vertices lies across each edge between two faces, in the order of these edges.
+  std::size_t pair = 0;
+  for (Eigen::Index e = 0; e < topology.edges.rows(); ++e) {
+    if (topology.edge_faces(e, 1) < 0) continue;
+    find_shares(pairs[pair++], {topology.edges(e, 0), topology.edges(e, 1)});
+  }
 }
 
 }  // namespace weft::gauss_newton

@@ -14,6 +14,10 @@
 #include "common/bend_smoother.hpp"
 #include "common/known_spheres.hpp"
 
+namespace weft::solvers {
+class Couplings;
+}
+
 namespace weft::gauss_newton {
 
 /// An inner edge (a, b) with the faces (a, b, c) and (b, a, d), and how the surface bends across
@@ -67,6 +71,14 @@ struct MeshModel {
   double diagonal_m() const {  ///< of the bounding box at rest
     return (rest_m.colwise().maxCoeff() - rest_m.colwise().minCoeff()).norm();
   }
+
+ private:
+  /// `normals` as of face_normals(), of the rest shape.
+  void build_hinges(const MeshTopology& topology, const Points3& normals,
+                    solvers::Couplings& numbers);
+  void add_hinge(const MeshTopology& topology, Eigen::Index edge, const Points3& normals,
+                 solvers::Couplings& numbers);
+  void build_shares(const MeshTopology& topology, const Points3& normals);
 };
 
 /// Normals of the faces [F,3], twice their area long, towards the camera where it sees the front.

@@ -78,10 +78,12 @@ TEST(NgoLaplacian, StretchesNoEdgeByMoreThanAPercent) {
 
 /// Constants of the authors' program, from its source, in our units.
 constexpr const char* kAuthorValues =
-    "controls: 25, affine_test: false, start: linear, try_previous: false, fit_stiffness: 0.84, "
+    "controls: 25, affine_test: false, initial_guess: linear, try_previous: false, fit_stiffness: "
+    "0.84, "
     "max_iterations: 5, tolerance_m: 0, ";
 constexpr const char* kWeftValues =
-    "controls: 40, affine_test: true, start: convex, try_previous: true, fit_stiffness: 0.2, "
+    "controls: 40, affine_test: true, initial_guess: convex, try_previous: true, fit_stiffness: "
+    "0.2, "
     "max_iterations: 20, tolerance_m: 1.0e-5, ";
 
 TEST(NgoLaplacian, BeginsWithTheConstantsOfItsPreset) {
@@ -109,7 +111,7 @@ TEST(NgoLaplacian, LetsParametersOverrideThePreset) {
   EXPECT_EQ(vertices_m("{preset: weft, controls: 40}"), weft_m);
 }
 
-TEST(NgoLaplacian, StartsFromTheLinearShapeWhereItIsToldTo) {
+TEST(NgoLaplacian, StartsFromTheLinearShapeWhereConfigured) {
   PluginUnderTest plugin(kId, "{preset: weft, start: linear}");
   const Scene scene(0.25, {200, 1.0, 0.5});
   const Shape shape = given(scene.run(plugin));
@@ -117,7 +119,7 @@ TEST(NgoLaplacian, StartsFromTheLinearShapeWhereItIsToldTo) {
   EXPECT_LT((shape.vertices_m.matrix<3>() - scene.truth_m).rowwise().norm().mean(), 0.004);
 }
 
-TEST(NgoLaplacian, StaysNearThePreviousShapeAsMuchAsItIsTold) {
+TEST(NgoLaplacian, StaysNearThePreviousShapeAsMuchAsConfigured) {
   const Scene scene(0.25, {200, 1.0, 0.5});
   const Points3 previous_m = scene.truth_m.rowwise() + Eigen::RowVector3d(0.0, 0.0, 0.01);
   const Shape previous = shape_at(previous_m);

@@ -82,8 +82,8 @@ TEST(OstlundLaplacian, FollowsTheScaleOfTheTemplate) {
   const Shape once = given(scene.run(plugin));
   for (double& value : scene.templ.vertices_m.matrix<3>().reshaped()) value *= 4.0;
   const Shape four_times = given(scene.run(larger));
-  const Points3 apart_m = four_times.vertices_m.matrix<3>() - 4.0 * once.vertices_m.matrix<3>();
-  EXPECT_LT(apart_m.cwiseAbs().maxCoeff(), 1e-6);
+  const Points3 distance_m = four_times.vertices_m.matrix<3>() - 4.0 * once.vertices_m.matrix<3>();
+  EXPECT_LT(distance_m.cwiseAbs().maxCoeff(), 1e-6);
 }
 
 TEST(OstlundLaplacianDegenerate, AnIterationThatIsCutShortIsWeak) {

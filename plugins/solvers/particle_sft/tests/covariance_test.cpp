@@ -18,19 +18,19 @@ namespace {
 constexpr HoldingNoise kNoise{0.5, 0.002, 0.02, 0.003, 0.01, 0.2};
 constexpr double kPriorM = 0.3;
 
-struct Held {
+struct ObservedScene {
   Scene scene;
   MeshModel mesh;
   ParticleSystem system;
   Pinhole camera;
 
-  explicit Held(Scene given) : scene(std::move(given)), system(system_of(scene)) {
+  explicit ObservedScene(Scene given) : scene(std::move(given)), system(system_of(scene)) {
     if (!mesh.build(scene.templ, 0.0)) throw std::runtime_error("the template is no mesh");
     camera = testing::pinhole(scene.camera);
   }
 
   std::vector<std::uint8_t> seen() const {
-    return held_vertices(system.rays, system.spheres, mesh.vertex_count());
+    return observed_vertices(system.rays, system.spheres, mesh.vertex_count());
   }
 
   std::vector<double> covariances_m2(ShapeCovariance& covariance,
@@ -117,10 +117,10 @@ double major_std_m(const Eigen::Matrix3d& covariance_m2) {
 }
 
 TEST(ShapeCovariance, IsTheDiagonalOfTheDenseInverse) {
-  const Held held(partly_seen());
-  const Eigen::MatrixXd jacobian = held.weighted_jacobian();
+  const ObservedScene observed(partly_seen());
+  const Eigen::MatrixXd jacobian = observed.weighted_jacobian();
   const Eigen::MatrixXd inverse = Eigen::MatrixXd(jacobian.transpose() * jacobian).inverse();
-  const std::vector<Eigen::Matrix3d> blocks = held.blocks();
+  const std::vector<Eigen::Matrix3d> blocks = observed.blocks();
   ASSERT_EQ(blocks.size(), 60U);
   for (std::size_t v = 0; v < blocks.size(); ++v) {
     const auto at = 3 * static_cast<Eigen::Index>(v);
@@ -142,10 +142,10 @@ double std_at_end_m(int seen_columns, int cells, double unseen_bend) {
     if (v % columns < seen_columns) scene.seen.push_back(v);
   }
   scene.look();
-  const Held held(std::move(scene));
+  const ObservedScene observed(std::move(scene));
   HoldingNoise noise{0.05, 0.002, 1e-4};
   noise.unseen_bend = unseen_bend;
-  return major_std_m(held.blocks(noise)[to_index(columns) - 1]);
+  return major_std_m(observed.blocks(noise)[to_index(columns) - 1]);
 }
 
 TEST(ShapeCovariance, GrowsBeyondWhatIsSeenAsIfTheSurfaceTurnedAtRandom) {
@@ -167,13 +167,14 @@ TEST(ShapeCovariance, GrowsBeyondWhatIsSeenAsIfTheSurfaceTurnedAtRandom) {
 }
 
 TEST(ShapeCovariance, LetsTheDistanceErrByWhatTheEdgesShare) {
-  const Held held(Scene::bent(0.25));
+  const ObservedScene observed(Scene::bent(0.25));
   HoldingNoise alone = kNoise, shared = kNoise;
   alone.common_strain = 0.0;
   shared.common_strain = 0.002;
-  const std::vector<Eigen::Matrix3d> without = held.blocks(alone), with = held.blocks(shared);
-  for (Eigen::Index v = 0; v < held.scene.truth_m.rows(); ++v) {
-    const Eigen::Vector3d place_m = held.scene.truth_m.row(v).transpose();
+  const std::vector<Eigen::Matrix3d> without = observed.blocks(alone),
+                                     with = observed.blocks(shared);
+  for (Eigen::Index v = 0; v < observed.scene.truth_m.rows(); ++v) {
+    const Eigen::Vector3d place_m = observed.scene.truth_m.row(v).transpose();
     const Eigen::Vector3d ray = place_m.normalized();
     const auto at = to_index(v);
     const double more_m2 = ray.dot((with[at] - without[at]) * ray);
@@ -187,31 +188,32 @@ TEST(ShapeCovariance, DoesNotReadADirectionOffAnEdgeThatIsNotSeen) {
   scene.truth_m(59, 2) += 0.003;
   std::erase(scene.seen, 59);
   scene.look();
-  const Held held(scene);
+  const ObservedScene observed(scene);
   const HoldingNoise trusting{0.05, 0.002, 0.02, 0.0, 0.0, 1.0};
   HoldingNoise honest = trusting;
   honest.unseen_strain = 0.03;
-  EXPECT_GT(major_std_m(held.blocks(honest)[59]), 2.0 * major_std_m(held.blocks(trusting)[59]));
+  EXPECT_GT(major_std_m(observed.blocks(honest)[59]),
+            2.0 * major_std_m(observed.blocks(trusting)[59]));
 }
 
 TEST(ShapeCovariance, TellsTheCurvatureOfWhatIsSeen) {
   const Scene bent = Scene::bent(0.25);
-  const Held held(bent);
+  const ObservedScene observed(bent);
   ShapeCovariance covariance;
-  ASSERT_TRUE(covariance.build(held.mesh));
+  ASSERT_TRUE(covariance.build(observed.mesh));
   // Of the hinges along, across and askew to the axis of a cylinder of radius 0.25 m, about half.
-  const double per_m = covariance.curvature_per_m(bent.truth_m, held.seen());
+  const double per_m = covariance.curvature_per_m(bent.truth_m, observed.seen());
   EXPECT_GT(per_m, 1.0);
   EXPECT_LT(per_m, 4.0);
   const std::vector<std::uint8_t> nothing(to_index(bent.truth_m.rows()), 0);
   EXPECT_EQ(covariance.curvature_per_m(bent.truth_m, nothing), 0.0);
-  EXPECT_LT(covariance.curvature_per_m(Scene::flat().truth_m, held.seen()), 1e-3);
+  EXPECT_LT(covariance.curvature_per_m(Scene::flat().truth_m, observed.seen()), 1e-3);
 }
 
 TEST(ShapeCovariance, IsTheScatterOfShapesSolvedFromRepeatedNoise) {
   constexpr int kTrials = 4000;
-  const Held held(partly_seen());
-  const Eigen::MatrixXd jacobian = held.weighted_jacobian();
+  const ObservedScene observed(partly_seen());
+  const Eigen::MatrixXd jacobian = observed.weighted_jacobian();
   const Eigen::LLT<Eigen::MatrixXd> solver(jacobian.transpose() * jacobian);
   std::cout << "seed " << kSeed << "\n";
   Rng rng(kSeed);
@@ -226,7 +228,7 @@ TEST(ShapeCovariance, IsTheScatterOfShapesSolvedFromRepeatedNoise) {
       scatter[to_index(v)] += each * each.transpose() / kTrials;
     }
   }
-  const std::vector<Eigen::Matrix3d> blocks = held.blocks();
+  const std::vector<Eigen::Matrix3d> blocks = observed.blocks();
   for (std::size_t v = 0; v < blocks.size(); ++v) {
     // The scatter's own standard deviation is 1 / sqrt(2 * 4000), 1.1 %.
     EXPECT_NEAR(major_std_m(scatter[v]) / major_std_m(blocks[v]), 1.0, 0.05) << v;
@@ -234,12 +236,12 @@ TEST(ShapeCovariance, IsTheScatterOfShapesSolvedFromRepeatedNoise) {
 }
 
 TEST(ShapeCovariance, NeverGrowsWithMoreSightlines) {
-  const Held some(partly_seen());
+  const ObservedScene some(partly_seen());
   Scene whole = partly_seen();
   whole.seen.resize(60);
   std::iota(whole.seen.begin(), whole.seen.end(), 0);
   whole.look();
-  const std::vector<Eigen::Matrix3d> less = some.blocks(), more = Held(whole).blocks();
+  const std::vector<Eigen::Matrix3d> less = some.blocks(), more = ObservedScene(whole).blocks();
   for (std::size_t v = 0; v < less.size(); ++v) {
     EXPECT_LE(major_std_m(more[v]), major_std_m(less[v])) << v;
   }
@@ -247,22 +249,22 @@ TEST(ShapeCovariance, NeverGrowsWithMoreSightlines) {
 }
 
 TEST(ShapeCovariance, IsSmallAtKnownPoints) {
-  Held held(partly_seen());
-  const double alone_m = major_std_m(held.blocks()[59]);
-  held.system.spheres.push_back(
-      KnownSurfacePoint::at_vertex(59, held.scene.truth_m.row(59), 0.001));
-  const double held_m = major_std_m(held.blocks()[59]);
-  EXPECT_LT(held_m, alone_m);
-  EXPECT_LE(held_m, 0.001);
+  ObservedScene observed(partly_seen());
+  const double alone_m = major_std_m(observed.blocks()[59]);
+  observed.system.spheres.push_back(
+      KnownSurfacePoint::at_vertex(59, observed.scene.truth_m.row(59), 0.001));
+  const double with_sphere_m = major_std_m(observed.blocks()[59]);
+  EXPECT_LT(with_sphere_m, alone_m);
+  EXPECT_LE(with_sphere_m, 0.001);
 }
 
 TEST(ShapeCovariance, DoesNotDependOnWhatWasComputedBefore) {
-  const Held held(partly_seen()), other(Scene::bent(0.12));
+  const ObservedScene observed(partly_seen()), other(Scene::bent(0.12));
   ShapeCovariance used, fresh;
-  ASSERT_TRUE(used.build(held.mesh));
-  ASSERT_TRUE(fresh.build(held.mesh));
+  ASSERT_TRUE(used.build(observed.mesh));
+  ASSERT_TRUE(fresh.build(observed.mesh));
   other.covariances_m2(used);
-  EXPECT_EQ(held.covariances_m2(used), held.covariances_m2(fresh));
+  EXPECT_EQ(observed.covariances_m2(used), observed.covariances_m2(fresh));
 }
 
 TEST(ShapeCovariance, SaysWhatAMeshNeedsThatIsTooFineForIt) {

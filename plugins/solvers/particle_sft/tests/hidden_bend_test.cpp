@@ -181,7 +181,7 @@ TEST(HiddenBend, TakesPartsWithoutARayThatReachTheBorderForUncovered) {
     if (!is_ringed(v) && !is_corner(v)) rays.push_back({{v, v, v}, {1, 0, 0}, {0, 0, 1}, 1.0});
   }
   std::vector<std::uint8_t> uncovered;
-  add_uncovered(held_vertices(rays, {}, mesh.vertex_count()), mesh.neighbours(), mesh.border(),
+  add_uncovered(observed_vertices(rays, {}, mesh.vertex_count()), mesh.neighbours(), mesh.border(),
                 uncovered);
   ASSERT_EQ(uncovered.size(), to_index(kColumns * kRows));
   for (std::int32_t v = 0; v < kColumns * kRows; ++v) {
@@ -196,7 +196,7 @@ TEST(HiddenBend, TakesTheUnmeasuredVerticesBesideAHiddenOneAsHidden) {
   for (std::int32_t v = 0; v < kColumns * kRows; ++v) {
     if (v % kColumns < 6 && v != 0) rays.push_back({{v, v, v}, {1, 0, 0}, {0, 0, 1}, 1.0});
   }
-  const std::vector<std::uint8_t> measured = held_vertices(rays, {}, kColumns * kRows);
+  const std::vector<std::uint8_t> measured = observed_vertices(rays, {}, kColumns * kRows);
   EXPECT_TRUE(hidden_part(seen, measured, scene.neighbours)->empty()) << "unmeasured is not hidden";
   seen.visible(12) = 0;
   seen.reason(12) = static_cast<std::uint8_t>(SightReason::outside);
@@ -263,7 +263,7 @@ Visibility all_in_sight(std::int64_t count) {
 TEST(HiddenBend, AddsEveryVertexWithoutARayToTheHiddenOnes) {
   const std::vector<RayConstraint> rays{{{0, 1, 2}, {0.5, 0.3, 0.2}, {0, 0, 1}, 1.0}};
   std::vector<std::uint8_t> hidden{0, 1, 0, 0, 1};
-  const std::vector<std::uint8_t> measured = held_vertices(rays, {}, 5);
+  const std::vector<std::uint8_t> measured = observed_vertices(rays, {}, 5);
   add_unmeasured(measured, hidden);
   EXPECT_EQ(hidden, (std::vector<std::uint8_t>{0, 1, 0, 1, 1}));
   std::vector<std::uint8_t> nothing_hidden;

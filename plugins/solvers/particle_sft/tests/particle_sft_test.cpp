@@ -114,14 +114,14 @@ TEST(ParticleSft, BeginsWithTheConstantsOfItsPreset) {
   const std::string common =
       "damping: 0.008, tracked_damping: 0.008, stretch_stiffness: 1, bend_stiffness: 1, "
       "solver_iterations: 2, max_iterations: 2000, ";
-  const std::string author =
-      "{" + common +
-      "tolerance_m: 1.0e-5, start_smoothing: 0, multi_start: false, continue_hidden_bend: false, "
-      "continue_uncovered_bend: false, ";
-  const std::string weft =
-      "{" + common +
-      "tolerance_m: 1.0e-6, start_smoothing: 1.5, multi_start: true, continue_hidden_bend: true, "
-      "continue_uncovered_bend: true, ";
+  const std::string author = "{" + common +
+                             "tolerance_m: 1.0e-5, initial_guess_smoothing: 0, multi_start: false, "
+                             "continue_hidden_bend: false, "
+                             "continue_uncovered_bend: false, ";
+  const std::string weft = "{" + common +
+                           "tolerance_m: 1.0e-6, initial_guess_smoothing: 1.5, multi_start: true, "
+                           "continue_hidden_bend: true, "
+                           "continue_uncovered_bend: true, ";
   for (const Shape* previous : {static_cast<const Shape*>(nullptr), &lost}) {
     const Points3 author_m = vertices_m("{preset: author}", previous);
     const Points3 weft_m = vertices_m("{}", previous);
@@ -196,20 +196,20 @@ TEST(ParticleSft, APreviousShapeOfAnotherTemplateIsNotAStart) {
   EXPECT_EQ(start_of(solved(scene.run(plugin, &previous))), 1.0);
 }
 
-TEST(ParticleSft, KnownPointsAreHeldExactlyOrWithinTheirRadius) {
+TEST(ParticleSft, KnownPointsAreMetExactlyOrWithinTheirRadius) {
   const Scene scene = Scene::bent(0.25);
-  const std::vector<std::int32_t> held{0, 9};
+  const std::vector<std::int32_t> observed{0, 9};
   Points3 centres_m(2, 3);
   centres_m << scene.truth_m.row(0), scene.truth_m.row(9);
   centres_m.col(1).array() += 0.006;
   PluginUnderTest plugin(kId);
   for (const double radius_m : {0.0, 0.004, -1.0}) {
-    const KnownPoints known = known_points(held, centres_m, radius_m);
+    const KnownPoints known = known_points(observed, centres_m, radius_m);
     const Shape shape = solved(scene.run(plugin, nullptr, &known));
     const double allowed_m = radius_m < 0.0 ? 0.005 : radius_m;
     for (Eigen::Index p = 0; p < 2; ++p) {
       const double distance_m =
-          (vertices_of(shape).row(held[to_index(p)]) - centres_m.row(p)).norm();
+          (vertices_of(shape).row(observed[to_index(p)]) - centres_m.row(p)).norm();
       EXPECT_LE(distance_m, allowed_m + 1e-12);
     }
   }
@@ -231,7 +231,7 @@ TEST(ParticleSft, ASphereForgivesABiasedGripperAndCostsLittleWithoutBias) {
   EXPECT_LE(error_m(exact_m, 0.0), error_m(exact_m, 0.008) + 0.001);
 }
 
-TEST(ParticleSft, AKnownPointInAFaceIsHeldThere) {
+TEST(ParticleSft, AKnownPointInAFaceIsMet) {
   const Scene scene = Scene::bent(0.25);
   const Faces faces = scene.templ.faces.matrix<3>();
   const Eigen::RowVector3d flat_m = (scene.templ.vertices_m.matrix<3>().row(faces(40, 0)) * 0.2 +
@@ -248,8 +248,8 @@ TEST(ParticleSft, AKnownPointInAFaceIsHeldThere) {
     KnownPoints known = known_points({-1}, centre_m, radius_m);
     known.template_xy_m = make_array<double>(flat_m.head<2>());
     const Shape shape = solved(scene.run(plugin, nullptr, &known));
-    const double apart_m = (on_shape(vertices_of(shape)) - centre_m.row(0)).norm();
-    EXPECT_NEAR(apart_m, radius_m, 1e-12);
+    const double distance_m = (on_shape(vertices_of(shape)) - centre_m.row(0)).norm();
+    EXPECT_NEAR(distance_m, radius_m, 1e-12);
     EXPECT_LT(scene.mean_error_m(shape), 0.003);
   }
 }
@@ -261,9 +261,9 @@ TEST(ParticleSft, KnownPointsAreMeasuredAlsoWhereNothingIsSeen) {
     if (v % 10 < 6) scene.seen.push_back(v);
   }
   scene.look();
-  Points3 held_m(2, 3);
-  held_m << scene.truth_m.row(9), scene.truth_m.row(59);
-  const KnownPoints known = known_points({9, 59}, held_m, 0.001);
+  Points3 centres_m(2, 3);
+  centres_m << scene.truth_m.row(9), scene.truth_m.row(59);
+  const KnownPoints known = known_points({9, 59}, centres_m, 0.001);
   PluginUnderTest plugin(kId);
   const Shape with = solved(scene.run(plugin, nullptr, &known));
   const Shape without = solved(scene.run(plugin));
@@ -275,7 +275,7 @@ TEST(ParticleSft, KnownPointsAreMeasuredAlsoWhereNothingIsSeen) {
   EXPECT_LT(error_m, 0.7 * alone_m);
 }
 
-TEST(ParticleSft, KnownPointsTooFarApartAreReportedAndRelaxed) {
+TEST(ParticleSft, KnownPointsThatAreTooDistantAreReportedAndRelaxed) {
   const Scene scene = Scene::bent(0.25);
   Points3 centres_m(2, 3);
   centres_m << scene.truth_m.row(0), scene.truth_m.row(9);
@@ -388,7 +388,7 @@ TEST(ParticleSft, ABrokenTemplateIsAnErrorNotACrash) {
 
 TEST(ParticleSft, RefusesParametersOutsideTheirRange) {
   EXPECT_THROW(PluginUnderTest(kId, "{damping: 1.5}"), std::runtime_error);
-  EXPECT_THROW(PluginUnderTest(kId, "{start: {use: warps/bbs}}"), std::runtime_error);
+  EXPECT_THROW(PluginUnderTest(kId, "{initial_guess: {use: warps/bbs}}"), std::runtime_error);
 }
 
 }  // namespace

@@ -48,9 +48,9 @@ TEST(SalzmannLocal, OtherTrainingShapesGiveNearlyTheSameSurface) {
   const Scene scene(0.2, 150, 0.5, 62);
   const Points3 one_m = scene.vertices_m("{training_seed: 1}");
   const Points3 two_m = scene.vertices_m("{training_seed: 2}");
-  const double apart_m = (one_m - two_m).rowwise().norm().mean();
-  std::cout << "seeds 1 and 2 of the training: " << 1e3 * apart_m << " mm apart\n";
-  EXPECT_LT(apart_m, 0.0005);
+  const double distance_m = (one_m - two_m).rowwise().norm().mean();
+  std::cout << "seeds 1 and 2 of the training: " << 1e3 * distance_m << " mm apart\n";
+  EXPECT_LT(distance_m, 0.0005);
 }
 
 TEST(SalzmannLocal, AShapeThatThePriorMadeFlatIsNotSure) {

@@ -109,11 +109,11 @@ TEST(Degradation, AHandCoversItsShareOfTheSheetAndHidesWhatIsUnderIt) {
   const GroundTruth whole = free.truth(8);
   const auto seen = free.pixels(8);
   for (const double share : {0.1, 0.4, 0.7}) {
-    SmallFilm held("pattern: roll, noise_grey: 0, blur_px: 0, hand_share: " +
-                   std::to_string(share));
-    const GroundTruth truth = held.truth(8);
+    SmallFilm in_hand("pattern: roll, noise_grey: 0, blur_px: 0, hand_share: " +
+                      std::to_string(share));
+    const GroundTruth truth = in_hand.truth(8);
     EXPECT_EQ(truth.points_m.matrix<3>(), whole.points_m.matrix<3>());
-    const auto pixels = held.pixels(8);
+    const auto pixels = in_hand.pixels(8);
     int sheet = 0, covered = 0;
     for (std::int64_t y = 0; y < 240; ++y) {
       for (std::int64_t x = 0; x < 320; ++x) {

@@ -49,10 +49,10 @@ TEST(FoldedCone, IsACircularConeWhereTheCurvatureIsConstant) {
 TEST(FoldedCone, KeepsTheLengthsOfThePlane) {
   const FoldedCone cone(kApex_m, kMiddle_rad, kReach_rad, folds);
   constexpr double kStep_m = 1e-3;
-  double most_apart_m = 0.0;
+  double largest_gap_m = 0.0;
   for (double angle_rad = -0.55; angle_rad < 0.56; angle_rad += 0.05) {
     const Eigen::Vector2d from = polar(0.2, angle_rad);
-    most_apart_m = std::max(most_apart_m, std::abs(cone.at(from, 0.0).z()));
+    largest_gap_m = std::max(largest_gap_m, std::abs(cone.at(from, 0.0).z()));
     for (const double way_rad : {0.0, 0.7, 1.4, 2.1, 2.8}) {
       const Eigen::Vector2d to =
           from + kStep_m * Eigen::Vector2d(std::cos(way_rad), std::sin(way_rad));
@@ -60,7 +60,7 @@ TEST(FoldedCone, KeepsTheLengthsOfThePlane) {
       EXPECT_NEAR(length_m / kStep_m, 1.0, 1e-3) << angle_rad << ", " << way_rad;
     }
   }
-  EXPECT_GT(most_apart_m, 0.005) << "it is not folded";
+  EXPECT_GT(largest_gap_m, 0.005) << "it is not folded";
 }
 
 TEST(FoldedCone, IsAsFarBesideItselfAsAsked) {

@@ -20,9 +20,9 @@ namespace {
 constexpr int kOpen = 0, kRead = 2;
 
 /// A film of a tiny sheet, held by grippers.
-class Held {
+class GrippedSheet {
  public:
-  explicit Held(const std::string& params)
+  explicit GrippedSheet(const std::string& params)
       : plugin_("sources/grippers",
                 "{frames: {use: sources/synthetic, params: {texture: " WEFT_TEXTURES
                 "sheet_texture.png, image_width_px: 64, image_height_px: 48, focal_px: 80}}, " +
@@ -43,12 +43,12 @@ Points3 errors_mm(const PluginAnswer& frame) {
   const GroundTruth truth = frame.get<GroundTruth>().value();
   Points3 errors(known.count(), 3);
   for (std::int64_t p = 0; p < known.count(); ++p) {
-    const Eigen::VectorXd apart =
+    const Eigen::VectorXd distance_m =
         (truth.template_xy_m.matrix<2>().rowwise() - known.template_xy_m.matrix<2>().row(p))
             .rowwise()
             .norm();
     Eigen::Index nearest = 0;
-    EXPECT_EQ(apart.minCoeff(&nearest), 0.0);
+    EXPECT_EQ(distance_m.minCoeff(&nearest), 0.0);
     EXPECT_EQ(known.vertex(p), -1);
     errors.row(p) =
         1e3 * (known.points_m.matrix<3>().row(p) - truth.points_m.matrix<3>().row(nearest));
@@ -57,8 +57,8 @@ Points3 errors_mm(const PluginAnswer& frame) {
 }
 
 TEST(Grippers, HoldThePlacesThatTheyAreNamedFor) {
-  Held held("count: 8, radius_mm: 3");
-  const PluginAnswer frame = held.read(20);
+  GrippedSheet gripped("count: 8, radius_mm: 3");
+  const PluginAnswer frame = gripped.read(20);
   ASSERT_EQ(frame.status, WEFT_OK) << frame.message;
   EXPECT_TRUE(frame.get<Image>() && frame.get<Time>());
   EXPECT_EQ(errors_mm(frame).cwiseAbs().maxCoeff(), 0.0);
@@ -73,14 +73,14 @@ TEST(Grippers, HoldThePlacesThatTheyAreNamedFor) {
 }
 
 TEST(Grippers, AnOffsetIsOneForAllAndNoiseIsNot) {
-  Held held("count: 4, offset_mm: 5, seed: 7"), other("count: 4, offset_mm: 5, seed: 8");
-  const Points3 first = errors_mm(held.read(0)), later = errors_mm(held.read(33));
+  GrippedSheet gripped("count: 4, offset_mm: 5, seed: 7"), other("count: 4, offset_mm: 5, seed: 8");
+  const Points3 first = errors_mm(gripped.read(0)), later = errors_mm(gripped.read(33));
   EXPECT_NEAR(first.row(0).norm(), 5.0, 1e-9);
   EXPECT_LT((first.rowwise() - first.row(0)).cwiseAbs().maxCoeff(), 1e-9);
   EXPECT_LT((later - first).cwiseAbs().maxCoeff(), 1e-9);
   EXPECT_GT((errors_mm(other.read(0)) - first).cwiseAbs().maxCoeff(), 0.1);
 
-  Held noisy("count: 8, noise_mm: 2, seed: 7");
+  GrippedSheet noisy("count: 8, noise_mm: 2, seed: 7");
   std::cout << "seed 7\n";
   double sum2 = 0.0;
   for (const std::uint64_t frame : {0U, 5U, 9U, 30U}) {
@@ -92,10 +92,10 @@ TEST(Grippers, AnOffsetIsOneForAllAndNoiseIsNot) {
 }
 
 TEST(Grippers, NoneMakesNoPointsAndFramesThatFailFailHere) {
-  Held held("count: 0");
-  EXPECT_FALSE(held.read(0).get<KnownPoints>());
-  EXPECT_TRUE(held.read(0).get<GroundTruth>());
-  EXPECT_EQ(held.read(1000).status, WEFT_ERROR);
+  GrippedSheet gripped("count: 0");
+  EXPECT_FALSE(gripped.read(0).get<KnownPoints>());
+  EXPECT_TRUE(gripped.read(0).get<GroundTruth>());
+  EXPECT_EQ(gripped.read(1000).status, WEFT_ERROR);
 }
 
 }  // namespace

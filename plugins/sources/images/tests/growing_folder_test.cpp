@@ -206,7 +206,7 @@ TEST_F(GrowingFolderSource, AFileThatStaysDamagedIsAnErrorOfItsFrameOnly) {
   EXPECT_EQ(blue_of(source, 3), 3);
 }
 
-TEST_F(GrowingFolderSource, ReadsTheLastFileOfAFormatWithoutAnEndWhenItStandsStill) {
+TEST_F(GrowingFolderSource, ReadsTheLastFileOfAFormatWithoutAnEndWhenItNoLongerGrows) {
   write("0.bmp", 50);
   PluginUnderTest source("sources/images", params(0.01));
   open(source);
@@ -310,8 +310,8 @@ TEST_F(GrowingFolderSource, RefusesBeforeAnythingRunsWhatAFolderThatGrowsCannotH
     expect_refused(params(1, "frames/*", ", " + parameter + ": '" + path("*.png") + "'"), parameter,
                    "'" + parameter + "' belongs to frames that are all there");
   }
-  expect_refused(params(1, "frames/*", ", apart: {a: why}"), "apart",
-                 "'apart' belongs to frames that are all there");
+  expect_refused(params(1, "frames/*", ", excluded: {a: why}"), "excluded",
+                 "'excluded' belongs to frames that are all there");
   folder_.write_image("frames/0.png", cv::Mat(6, 9, CV_8UC3, cv::Scalar::all(1)));
   expect_refused(params(1), "camera", "0.png: is 9 x 6 px");
 }

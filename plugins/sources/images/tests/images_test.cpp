@@ -211,9 +211,9 @@ TEST(ImagesSource, ReadsTheKinectPaperSequence) {
   const std::string folder = std::string(data) + "/kinect_paper";
   PluginUnderTest source("sources/images", "{path: '" + folder + "/frames/*.png', camera: '" +
                                                folder + "/K.json', truth: '" + folder +
-                                               "/gt/*.csv', apart: {\"009\": texture source}}");
+                                               "/gt/*.csv', excluded: {\"009\": texture source}}");
   ASSERT_EQ(opened_count(source), 100);
-  int with_truth = 0, apart = 0;
+  int with_truth = 0, excluded = 0;
   for (std::uint64_t i = 0; i < 100; ++i) {
     const PluginAnswer frame = source.process(kRead, {}, i);
     ASSERT_EQ(frame.status, WEFT_OK) << frame.message;
@@ -221,13 +221,13 @@ TEST(ImagesSource, ReadsTheKinectPaperSequence) {
     if (!truth) continue;
     ++with_truth;
     EXPECT_EQ(truth->count(), truth->kind == "mdh301" ? 301 : 90);
-    if (!truth->apart.empty()) {
-      ++apart;
+    if (!truth->exclusion.empty()) {
+      ++excluded;
       EXPECT_EQ(frame.get<weft::Image>()->stem, "009");
     }
   }
   EXPECT_EQ(with_truth, 17);
-  EXPECT_EQ(apart, 1);
+  EXPECT_EQ(excluded, 1);
 }
 
 }  // namespace

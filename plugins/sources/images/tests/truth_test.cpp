@@ -55,14 +55,14 @@ TEST(Truth, BelongsToTheFrameOfItsStemAndIsInMetres) {
   fill(folder);
   folder.write("gt/009_mdh_301.csv", kHeader + kRow + "m1,0,1,3,4,5,6,7e2\n");
   folder.write("gt/010.csv", kHeader + kRow);
-  auto source = source_with_truth(folder, "apart: {\"009\": texture source}");
+  auto source = source_with_truth(folder, "excluded: {\"009\": texture source}");
   const PluginAnswer opened = source.process(kOpen, {});
   ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
   EXPECT_FALSE(source.process(kRead, {}, 0).get<GroundTruth>().has_value());
   const auto truth = source.process(kRead, {}, 1).get<GroundTruth>();
   ASSERT_TRUE(truth.has_value());
   EXPECT_EQ(truth->kind, "mdh_301");
-  EXPECT_EQ(truth->apart, "texture source");
+  EXPECT_EQ(truth->exclusion, "texture source");
   ASSERT_EQ(truth->count(), 2);
   EXPECT_DOUBLE_EQ(truth->template_xy_m(0, 0), 0.05925);
   EXPECT_DOUBLE_EQ(truth->template_xy_m(0, 1), 0.0375);
@@ -73,7 +73,7 @@ TEST(Truth, BelongsToTheFrameOfItsStemAndIsInMetres) {
   const auto other = source.process(kRead, {}, 2).get<GroundTruth>();
   ASSERT_TRUE(other.has_value());
   EXPECT_EQ(other->kind, "");
-  EXPECT_EQ(other->apart, "");
+  EXPECT_EQ(other->exclusion, "");
 }
 
 TEST(Truth, ReadsColumnsInAnyOrderWithForeignLineEnds) {
@@ -188,15 +188,15 @@ TEST(Truth, RefusesAPatternWithoutFiles) {
   EXPECT_THAT(refusal_of(folder), AllOf(HasSubstr("truth"), HasSubstr("gt/*.csv")));
 }
 
-TEST(Truth, RefusesAFrameToBeKeptApartThatDoesNotExist) {
+TEST(Truth, RefusesToExcludeAFrameThatDoesNotExist) {
   const FrameFolder folder;
   fill(folder);
   folder.write("gt/009_a.csv", kHeader + kRow);
-  EXPECT_THAT(refusal_of(folder, "apart: {\"9\": reason}"), HasSubstr("'9'"));
-  EXPECT_THAT(refusal_of(folder, "apart: {\"0010\": reason}"), HasSubstr("did you mean '010'?"));
+  EXPECT_THAT(refusal_of(folder, "excluded: {\"9\": reason}"), HasSubstr("'9'"));
+  EXPECT_THAT(refusal_of(folder, "excluded: {\"0010\": reason}"), HasSubstr("did you mean '010'?"));
 }
 
-TEST(Truth, RefusesFramesThatItCannotTellApart) {
+TEST(Truth, RefusesFramesThatItCannotDistinguish) {
   const FrameFolder folder;
   fill(folder);
   folder.write_frame("frames/009.bmp");

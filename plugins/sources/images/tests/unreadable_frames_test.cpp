@@ -114,12 +114,12 @@ TEST(ImagesSource, SaysAllMistakesBeforeAnythingRuns) {
       "{path: '" + folder.path("frames/*.png") + "', camera: '" + folder.path("camera.yaml") + "'";
   EXPECT_THAT(
       mistakes_of("sources/images", start + ", truth: '" + folder.path("gt/*.npz") + "', depth: '" +
-                                        folder.path("depth/*.png") + "', apart: {c: why}}"),
+                                        folder.path("depth/*.png") + "', excluded: {c: why}}"),
       ElementsAre(HasSubstr("camera: " + folder.path("camera.yaml") +
                             ":7:1: a camera file has no key 'higth'"),
                   HasSubstr("truth: truth: no file matches"),
                   HasSubstr("depth: " + folder.path("depth/b.png") + ": belongs to no frame"),
-                  HasSubstr("apart: 'apart' names the frame 'c'")));
+                  HasSubstr("excluded: 'excluded' names the frame 'c'")));
   folder.write_camera();
   EXPECT_THAT(mistakes_of("sources/images", start + "}"), IsEmpty());
 }

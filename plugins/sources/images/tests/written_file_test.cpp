@@ -56,7 +56,7 @@ TEST(WrittenFile, OfWhichNotEvenTheBeginningIsThereIsNotComplete) {
   }
 }
 
-TEST(WrittenFile, ThatStandsStillIsCompleteWhateverItHolds) {
+TEST(WrittenFile, ThatNoLongerGrowsIsComplete) {
   const FrameFolder folder;
   folder.write("a.png", "no image");
   WrittenFile file(folder.path("a.png"));
@@ -67,7 +67,7 @@ TEST(WrittenFile, ThatStandsStillIsCompleteWhateverItHolds) {
   EXPECT_TRUE(file.is_complete(false, 0.0));
 }
 
-TEST(WrittenFile, ThatIsNoFileStandsStill) {
+TEST(WrittenFile, ThatIsNoRegularFileIsComplete) {
   const FrameFolder folder;
   std::filesystem::create_directory(folder.path("folder.png"));
   std::filesystem::create_symlink("nowhere", folder.path("link.png"));

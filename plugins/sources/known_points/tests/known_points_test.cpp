@@ -86,7 +86,7 @@ TEST(KnownPointSource, RowsByTimeAreInterpolatedWithinTheTolerance) {
   EXPECT_FALSE(strict.read(1).get<KnownPoints>());
 }
 
-TEST(KnownPointSource, PointsOfTheTemplateAndStandardDeviationsAreUnderstood) {
+TEST(KnownPointSource, PointsOfTheTemplateAndStandardDeviationsAreRead) {
   const Folder folder;
   Film film(folder.with("rows.csv",
                         "Z_mm, X_mm, Y_mm, sigma_mm, template_y_mm, template_x_mm, frame\r\n"

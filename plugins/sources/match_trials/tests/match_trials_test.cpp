@@ -77,7 +77,7 @@ TEST(MatchTrials, LieOnTheTemplateOfTheirSizeAndOnTheTrueSurface) {
 
 TEST(MatchTrials, ReplaceTheGivenPartOfTheMatches) {
   constexpr int kMatches = 400;
-  Trials trials("{matches: 400, correct_rate: 0.3, seed: 5}");
+  Trials trials("{matches: 400, inlier_rate: 0.3, seed: 5}");
   for (std::uint64_t trial = 0; trial < 3; ++trial) {
     const auto [matches, truth] = trial_of(trials.read(trial));
     int moved = 0;
@@ -103,8 +103,8 @@ TEST(MatchTrials, DisplaceCorrectMatchesByTheirNoise) {
 }
 
 TEST(MatchTrials, DependOnSeedAndNumberAlone) {
-  Trials one("{matches: 20, correct_rate: 0.5}", 1), other("{matches: 20, correct_rate: 0.5}", 2);
-  Trials reseeded("{matches: 20, correct_rate: 0.5, seed: 2}");
+  Trials one("{matches: 20, inlier_rate: 0.5}", 1), other("{matches: 20, inlier_rate: 0.5}", 2);
+  Trials reseeded("{matches: 20, inlier_rate: 0.5, seed: 2}");
   const auto later = trial_of(other.read(5));
   const auto first = trial_of(one.read(0)), fifth = trial_of(one.read(5));
   EXPECT_TRUE(fifth.matches.image_px.matrix<2>() == later.matches.image_px.matrix<2>());
@@ -115,7 +115,7 @@ TEST(MatchTrials, DependOnSeedAndNumberAlone) {
 }
 
 TEST(MatchTrials, HaveTheSameShapesAndTemplatePointsAtEveryCorrectRate) {
-  Trials few("{matches: 50, correct_rate: 0.2}"), most("{matches: 50, correct_rate: 0.9}");
+  Trials few("{matches: 50, inlier_rate: 0.2}"), most("{matches: 50, inlier_rate: 0.9}");
   Trials dense("{matches: 500}");
   const auto a = trial_of(few.read(8)), b = trial_of(most.read(8)), c = trial_of(dense.read(8));
   EXPECT_TRUE(a.truth.points_m.matrix<3>() == b.truth.points_m.matrix<3>());

@@ -100,7 +100,7 @@ TEST(SyntheticSource, GivesTruthOnAGridFromEdgeToEdgeOfTheSheet) {
   Opened source("truth_columns: 4, truth_rows: 3");
   const GroundTruth truth = *source.read(30).get<GroundTruth>();
   EXPECT_EQ(truth.kind, "synthetic");
-  EXPECT_EQ(truth.apart, "");
+  EXPECT_EQ(truth.exclusion, "");
   ASSERT_EQ(truth.count(), 12);
   const double pitch_m = 0.297 / 842;
   EXPECT_NEAR(truth.template_xy_m(0, 0), -0.5 * pitch_m, 1e-15);

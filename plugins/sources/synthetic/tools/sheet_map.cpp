@@ -81,12 +81,12 @@ class MapPainter {
   }
 
   /// Random places on land or at sea, apart from each other.
-  std::vector<Point> places(std::size_t most, double apart, Ground ground = Ground::land) {
+  std::vector<Point> places(std::size_t most, double distance, Ground ground = Ground::land) {
     std::vector<Point> found;
     for (int tries = 0; tries < 4000 && found.size() < most; ++tries) {
       const Point p = random_point();
       const bool free = std::all_of(found.begin(), found.end(),
-                                    [&](const Point& q) { return (p - q).norm() > apart; });
+                                    [&](const Point& q) { return (p - q).norm() > distance; });
       const double height = terrain_(p);
       const bool fits = ground == Ground::land ? height > 0.04 : height < -0.02;
       if (free && fits) found.push_back(p);

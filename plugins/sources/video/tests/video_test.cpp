@@ -381,7 +381,7 @@ TEST_F(PipeSource, ReadsWhatACameraSendsAndGoesOnWhenItComesBack) {
   std::filesystem::create_symlink(first, camera);
   write(first, raw_video(0, 5));
   write(second, raw_video(20, 5));
-  PluginUnderTest source("sources/video", params("address: '" + camera + "', patience_s: 20"));
+  PluginUnderTest source("sources/video", params("address: '" + camera + "', timeout_s: 20"));
   const PluginAnswer opened = source.process(kOpen, {});
   ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
   EXPECT_EQ(source.process(kCount, {}).get<weft::Count>()->live, 1);
@@ -406,7 +406,7 @@ TEST_F(PipeSource, ReadsWhatACameraSendsAndGoesOnWhenItComesBack) {
 TEST_F(PipeSource, ACameraThatDoesNotComeBackIsAnErrorAndThenTheEnd) {
   const std::string pipe = new_pipe();
   write(pipe, raw_video(0, 5));
-  PluginUnderTest source("sources/video", params("address: '" + pipe + "', patience_s: 0.3"));
+  PluginUnderTest source("sources/video", params("address: '" + pipe + "', timeout_s: 0.3"));
   ASSERT_EQ(source.process(kOpen, {}).status, WEFT_OK);
   for (std::uint64_t i = 0; i < 5; ++i) ASSERT_EQ(source.process(kRead, {}, i).status, WEFT_OK);
   const PluginAnswer gone = source.process(kRead, {}, 5);
@@ -415,8 +415,8 @@ TEST_F(PipeSource, ACameraThatDoesNotComeBackIsAnErrorAndThenTheEnd) {
   EXPECT_EQ(source.process(kRead, {}, 6).status, WEFT_END);
 }
 
-TEST_F(PipeSource, APipeIntoWhichNobodyWritesIsRefused) {
-  EXPECT_THAT(refusal("address: '" + new_pipe() + "', patience_s: 0.05"),
+TEST_F(PipeSource, APipeWithoutAWriterIsRefused) {
+  EXPECT_THAT(refusal("address: '" + new_pipe() + "', timeout_s: 0.05"),
               AllOf(HasSubstr("pipe0"), HasSubstr("nobody has written")));
 }
 

@@ -101,7 +101,7 @@ TEST_F(FoundMeshes, AreWeldedWhereTheyAreEqualUpToRounding) {
   }
 }
 
-TEST_F(FoundMeshes, AreRefusedWhereMostFacesStandAlone) {
+TEST_F(FoundMeshes, AreRefusedWhereMostFacesAreIsolated) {
   EXPECT_THAT(welding_refusal(soup(1e-3, 0.0, 4)),
               AllOf(HasSubstr("280 of 280 faces share no edge"), HasSubstr("merge vertices")));
   EXPECT_THAT(welding_refusal(soup(0.0, 1e-3, 5)),

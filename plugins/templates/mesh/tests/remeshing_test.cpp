@@ -196,7 +196,7 @@ TEST(Remeshing, KeepsARaggedBorder) {
   EXPECT_LT(worst_place_m(dense, mesh), 1e-9);
 }
 
-TEST(Remeshing, KeepsBothSidesOfASeamApart) {
+TEST(Remeshing, KeepsBothSidesOfASeamSeparate) {
   // A closed tube: its left and right borders are the same line in space.
   TexturedMesh tube = rolled();
   const double radius_m = kWidth_m / (2.0 * M_PI);
@@ -210,7 +210,7 @@ TEST(Remeshing, KeepsBothSidesOfASeamApart) {
   EXPECT_LT(worst_place_m(tube, mesh), 1e-9);
 }
 
-TEST(Remeshing, KeepsChartsApartThatLieBesideEachOther) {
+TEST(Remeshing, KeepsAdjacentChartsSeparate) {
   TexturedMesh left = rolled([](int i, int) { return i < 20; });
   const TexturedMesh right = rolled([](int i, int) { return i >= 20; });
   const Eigen::Index own = left.flat_px.rows();

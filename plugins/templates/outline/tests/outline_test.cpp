@@ -146,7 +146,7 @@ TEST_F(OutlineTemplate, SaysThatAnObjectMayBeCutOff) {
   EXPECT_TRUE(outcome.get<Template>());
 }
 
-TEST_F(OutlineTemplate, RefusesAnObjectThatFallsApart) {
+TEST_F(OutlineTemplate, RefusesAnObjectInSeveralParts) {
   cv::Mat photo = ellipse();
   for (int x = 120; x < 290; x += 12) {
     for (int y = 100; y < 190; y += 12) {  // what is printed as light as the table

@@ -88,7 +88,7 @@ TEST(Resampled, KeepsSharpCornersAndSpacesTheRestEqually) {
   }
 }
 
-TEST(Resampled, HasThreeCornersHoweverFarApartTheyShouldBe) {
+TEST(Resampled, HasThreeCornersForAnyRequestedDistance) {
   const Outline outline = resampled(trace_outline(disc(200.0, 200.0, 20.0)), 1000.0);
   EXPECT_EQ(outline.outer.size(), 3U);
   EXPECT_GT(outline.area_px2(), 0.0);
@@ -125,24 +125,24 @@ TEST(FillOutline, RefusesAnOutlineThatCrossesItself) {
   EXPECT_THAT(mesh.error().message, HasSubstr("crosses itself"));
 }
 
-TEST(StandsOut, FindsADarkAndAColouredObjectOnALightTable) {
+TEST(ForegroundOf, FindsADarkAndAColouredObjectOnALightTable) {
   const cv::Mat truth = disc(200.0, 190.0, 120.0);
   for (const cv::Scalar& colour : {cv::Scalar(40, 40, 40), cv::Scalar(200, 200, 255)}) {
     cv::Mat photo(400, 400, CV_8UC3, cv::Scalar(235, 240, 238));
     photo.setTo(colour, truth);
-    const auto mask = stands_out(photo, 0.0);
+    const auto mask = foreground_of(photo, 0.0);
     ASSERT_TRUE(mask) << mask.error().message;
     EXPECT_LT(cv::countNonZero(*mask != truth), 0.02 * cv::countNonZero(truth));
   }
 }
 
-TEST(StandsOut, RefusesAPhotographOfTheTableAlone) {
+TEST(ForegroundOf, RefusesAPhotographOfTheTableAlone) {
   cv::Mat photo(200, 300, CV_8UC3, cv::Scalar(235, 240, 238));
   for (int i = 0; i < 300; ++i) photo.at<cv::Vec3b>(100, i) = {237, 242, 240};
-  const auto mask = stands_out(photo, 0.0);
+  const auto mask = foreground_of(photo, 0.0);
   ASSERT_FALSE(mask);
   EXPECT_THAT(mask.error().message, HasSubstr("no object stands out"));
-  EXPECT_FALSE(stands_out(cv::Mat::zeros(2, 2, CV_8UC1), 0.0));
+  EXPECT_FALSE(foreground_of(cv::Mat::zeros(2, 2, CV_8UC1), 0.0));
 }
 
 TEST(SingleObject, KeepsTheLargestPartAndFillsSmallHoles) {

@@ -85,7 +85,7 @@ void hold(cv::Mat& photo, const Eigen::Vector2d& from_px, const Eigen::Vector2d&
   }
 }
 
-TEST(FindSheet, FindsASheetThatIsHeldByTwoHands) {
+TEST(FindSheet, FindsASheetInTwoHands) {
   Still still = still_of(640, false);
   still.tilt_rad = 0.2;
   still.roll_rad = 0.12;

@@ -140,16 +140,16 @@ static int solve(double m[3][3], double b[3][2], double x[3][2]) {
     if (step == 0) largest = fabs(m[row][column]);
     if (fabs(m[row][column]) <= on_a_line * on_a_line * largest) break;
     for (int j = 0; j < 3; ++j) {
-      const double held = m[step][j];
-      m[step][j] = m[row][j], m[row][j] = held;
+      const double swapped = m[step][j];
+      m[step][j] = m[row][j], m[row][j] = swapped;
     }
     for (int side = 0; side < 2; ++side) {
-      const double held = b[step][side];
-      b[step][side] = b[row][side], b[row][side] = held;
+      const double swapped = b[step][side];
+      b[step][side] = b[row][side], b[row][side] = swapped;
     }
     for (int i = 0; i < 3; ++i) {
-      const double held = m[i][step];
-      m[i][step] = m[i][column], m[i][column] = held;
+      const double swapped = m[i][step];
+      m[i][step] = m[i][column], m[i][column] = swapped;
     }
     const int was = order[step];
     order[step] = order[column], order[column] = was;

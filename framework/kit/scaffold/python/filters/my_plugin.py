@@ -23,13 +23,13 @@ def affine_fit(start, end, go_on):
 
 
 class MyPluginFilter(weft.Filter):
-    """Keeps matches that lie where one affine map of the template puts them."""
+    """Keeps matches that agree with one affine map of the template."""
 
     id = "filters/my_plugin"
     version = "1.0.0"
     sweep = ("tolerance_px", [1, 2, 4, 8, 16, 32, 64, 128])
 
-    tolerance_px = weft.number(30.0, "px", (0, 1000), "kept if so near to where the affine map puts it")
+    tolerance_px = weft.number(30.0, "px", (0, 1000), "maximum distance of a kept match from the affine map")
 
     def filter(self, given):
         matches = given.correspondences

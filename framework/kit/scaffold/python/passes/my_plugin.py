@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Puts the place of each kept match on the ray of its pixel."""
+"""Gives the sightline of each kept match."""
 
 import numpy as np
 import weft
@@ -21,14 +21,14 @@ def unit_rays(camera, pixels_px):
 
 
 class MyPluginPass(weft.Pass):
-    """Puts the place of each kept match on the ray of its pixel."""
+    """Gives the sightline of each kept match."""
 
     id = "passes/my_plugin"
     version = "1.0.0"
     needs = "correspondences"
     produces = "sightlines"
 
-    fewest = weft.whole(8, "", (3, 1000000), "with fewer sightlines there is no result")
+    fewest = weft.whole(8, "", (3, 1000000), "minimum number of sightlines for a result")
 
     def run(self, given):
         matches, faces = given.correspondences, given.template.faces

@@ -16,7 +16,7 @@ class MyPluginSink(weft.Sink):
     needs = "shape"
 
     path = weft.output_path("vertices", "folder of the tables")
-    measured_only = weft.flag(True, "leave out frames whose shape is an older one")
+    measured_only = weft.flag(True, "omission of frames whose shape is carried over from an earlier frame")
 
     def open(self, given):
         try:

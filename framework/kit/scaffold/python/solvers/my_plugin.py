@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The template at rest, placed as a rigid body."""
+"""Fits the template at rest as a rigid body."""
 
 import numpy as np
 import weft
@@ -52,7 +52,7 @@ def checked(lines, template):
 
 
 class MyPluginSolver(weft.Solver):
-    """The template at rest, placed as a rigid body."""
+    """Fits the template at rest as a rigid body."""
 
     id = "solvers/my_plugin"
     version = "1.0.0"
@@ -60,7 +60,7 @@ class MyPluginSolver(weft.Solver):
                  "PAMI 22(6), 2000")
     needs = "sightlines"
 
-    rounds = weft.whole(500, "", (1, 100000), "most rounds of the search for the pose")
+    rounds = weft.whole(500, "", (1, 100000), "maximum number of iterations of the pose search")
 
     def solve(self, given):
         template, camera = given.template, given.camera

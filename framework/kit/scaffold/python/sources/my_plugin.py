@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Matches of a sheet that is rolled ever more tightly, with exact truth."""
+"""Generates matches of a surface that is rolled ever more tightly, with exact ground truth."""
 
 import numpy as np
 import weft
@@ -22,7 +22,7 @@ def rolled(place_m, curvature_per_m, distance_m):
 
 
 class MyPluginSource(weft.Source):
-    """Matches of a sheet that is rolled ever more tightly, with exact truth."""
+    """Generates matches of a surface that is rolled ever more tightly, with exact ground truth."""
 
     id = "sources/my_plugin"
     version = "1.0.0"
@@ -30,9 +30,9 @@ class MyPluginSource(weft.Source):
     random = True
 
     frames = weft.whole(5, "", (1, 1000000), "number of frames")
-    bend_per_m = weft.number(6.0, "1/m", (0, 10), "curvature of the sheet in the last frame")
-    distance_m = weft.number(0.65, "m", (0.1, 100), "from the camera to the middle of the sheet")
-    noise_px = weft.number(0.5, "px", (0, 1000), "sigma along u and v of the image points")
+    bend_per_m = weft.number(6.0, "1/m", (0, 10), "curvature of the surface in the last frame")
+    distance_m = weft.number(0.65, "m", (0.1, 100), "distance from the camera to the centre of the surface")
+    noise_px = weft.number(0.5, "px", (0, 1000), "standard deviation, along u and v, of the image points")
 
     def open(self, given):
         return weft.Record(fx=FOCAL_PX, fy=FOCAL_PX, cx=CENTRE_PX[0], cy=CENTRE_PX[1], width=640, height=480)

@@ -8,14 +8,14 @@ PLAIN_GREY = 200
 
 
 class MyPluginTemplate(weft.TemplateBuilder):
-    """A flat plain disc."""
+    """Makes a flat plain disc."""
 
     id = "templates/my_plugin"
     version = "1.0.0"
 
-    radius_m = weft.number(0.08, "m", (1e-6, 1000), "of the disc")
-    rings = weft.whole(4, "", (1, 500), "of vertices around the middle")
-    spokes = weft.whole(16, "", (3, 1000), "vertices of a ring")
+    radius_m = weft.number(0.08, "m", (1e-6, 1000), "radius of the disc")
+    rings = weft.whole(4, "", (1, 500), "number of rings of vertices around the centre")
+    spokes = weft.whole(16, "", (3, 1000), "number of vertices per ring")
     texture_px = weft.whole(320, "px", (8, 4000), "side of the texture, which is grey")
 
     def build(self, given):

@@ -64,7 +64,7 @@ TEST_F(MyPluginSink, WritesNumbersThatReadBackTheSame) {
   EXPECT_FALSE(std::getline(file, line));
 }
 
-TEST_F(MyPluginSink, LeavesOutPredictedShapesUnlessToldToKeepThem) {
+TEST_F(MyPluginSink, OmitsPredictedShapesByDefault) {
   for (const bool measured_only : {true, false}) {
     PluginUnderTest sink("sinks/my_plugin", params(measured_only ? "" : ", measured_only: false"));
     ASSERT_EQ(sink.process(kOpen, {}).status, WEFT_OK);

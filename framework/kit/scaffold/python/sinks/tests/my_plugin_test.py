@@ -36,7 +36,7 @@ class MyPluginTest(unittest.TestCase):
         self.assertEqual(head, "x_m,y_m,z_m,measured")
         self.assertEqual([float(word) for word in lines[1].split(",")], [1 / 3, 0.0, 2.0, 0.0])
 
-    def test_leaves_out_older_shapes_unless_it_is_told(self):
+    def test_omits_older_shapes_by_default(self):
         self.assertEqual(self.written(given(0), given(1, PREDICTED)), ["000000.csv"])
         self.assertEqual(self.written(given(1, PREDICTED), measured_only=False), ["000000.csv", "000001.csv"])
 

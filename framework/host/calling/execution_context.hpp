@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+#include <weft/core/change_request.hpp>
+
+#include "host/calling/call_times.hpp"
+#include "host/calling/cancellation.hpp"
+#include "host/loading/component_spec.hpp"
+#include "host/workers/isolation.hpp"
+
+namespace weft::host {
+
+class Instance;
+class SharedInputs;
+struct WorkerContext;
+
+/// One set of component instances. Several threads may call instances of an execution context, each
+/// instance and those nested in it one at a time; one more thread may make and prepare others
+/// meanwhile. Everything else is for one thread.
+class ExecutionContext {
+ public:
+  using Log = std::function<void(const std::string& component, int level, const std::string& text,
+                                 std::uint64_t frame)>;
+  /// What is about to run: a stage, the id of its component, what it does ("load", "prepare", a
+  /// method), for which frame. Called by the thread that runs it.
+  using Announce = std::function<void(const std::string& stage, const std::string& component,
+                                      const std::string& what, std::uint64_t frame)>;
+
+  /// Outputs stand in `arena` where one is given, which isolated instances need. Revisions have
+  /// the bits of `revision_mark`.
+  ExecutionContext(std::uint64_t run_seed, Log log, std::shared_ptr<SharedArena> arena = nullptr,
+                   std::uint64_t revision_mark = 0);
+  ~ExecutionContext();
+  ExecutionContext(const ExecutionContext&) = delete;
+  ExecutionContext& operator=(const ExecutionContext&) = delete;
+
+  /// Instances made from now on draw from this run seed.
+  void use_seed(std::uint64_t run_seed) { run_seed_ = run_seed; }
+
+  /// Loads the library and creates the component and those nested in it; `path` is that of a nested
+  /// component that stands alone here.
+  Result<Instance*> instantiate(const ComponentSpec& spec, const std::string& stage,
+                                const std::string& path = {});
+
+  /// Creates the component and those nested in it in a worker: no library is loaded here.
+  Result<Instance*> instantiate_isolated(const ComponentSpec& spec, const std::string& stage,
+                                         const Isolation& isolation);
+
+  /// Puts an instance in the place of another one, which is destroyed with those nested in it:
+  /// this one evaluates what that one made. Nobody calls either meanwhile.
+  void replace(Instance& old, Instance& made);
+
+  /// Destroys an instance that nobody will call, with those nested in it.
+  void discard(Instance& instance);
+
+  /// So many threads may work at a time, shared by the callers of this execution context; before
+  /// anything is made. With more than one caller, processor time is that of the calling thread
+  /// alone.
+  void divide_threads(int threads, int callers);
+
+  /// Where the records of this execution context stand, and what else lives as long as a frame.
+  const std::shared_ptr<MemoryPool>& memory() const { return memory_; }
+
+  CallTimes& times() { return times_; }
+
+  /// Nothing is created or prepared while cancellation is requested.
+  Cancellation& cancellation() { return cancellation_; }
+
+  /// From now on components of this process are given inputs that they cannot write into, nor read
+  /// after their call: who tries faults. Costs a copy of the inputs of each call.
+  void protect_inputs() { protects_inputs_ = true; }
+
+  /// Gives template and camera to an instance and to those nested in it.
+  Result<void> prepare(Instance& instance, const Record& templ, const Record& camera);
+
+  /// As above, for an instance of this process; the two are records as a call has them.
+  Result<void> prepare_here(Instance& instance, std::span<const weft_record> inputs);
+
+  /// Logs what is doubtful about a stage before the first frame, as a component warns.
+  void warn(const std::string& stage, const std::string& text) const;
+
+  /// Calls a method of a component; outputs are validated. Never throws.
+  Outcome call(Instance& instance, int method, std::span<const weft_record> inputs,
+               std::uint64_t frame, std::uint64_t draw = 0);
+
+  /// Takes a record that is new in this execution context, made by a component or handed in from
+  /// elsewhere: it is validated and numbered, for components know records by their revisions:
+  /// templates and cameras by their content, others as no record of this process was before.
+  /// `types` are those that its maker declares beside the catalogue's.
+  Result<void> admit(Record& record, const char* slot, std::span<const RecordSchema> types = {});
+
+  /// Evaluates a warp record at points, by its producer.
+  Outcome evaluate(const Record& warp, const Points& points, std::uint64_t frame);
+
+  /// From now on calls of this instance are not told to stop.
+  static void let_finish(Instance& instance);
+
+  /// Whether somebody may steer the run at this sink.
+  static bool steers(const Instance& sink);
+  /// Its change requests since this was last asked. From any thread, as is `answer`.
+  static Result<std::vector<ChangeRequest>> take_change_requests(const Instance& sink);
+  static Result<void> answer(const Instance& sink, const ChangeAnswer& answer);
+
+  /// Told before components are created, prepared and called, by the thread that does; not of those
+  /// nested in them.
+  void announce_to(Announce announce) { announce_ = std::move(announce); }
+
+ private:
+  friend struct Callbacks;
+
+  struct Scope;
+  struct Turn;
+  Instance& add(std::unique_ptr<Instance> instance);
+  std::unique_ptr<Instance> take_out(Instance& instance);
+  void destroy(std::unique_ptr<Instance> instance);
+  Result<WorkerContext> worker_context_of(const Instance& instance);
+  Outcome enter(Instance& instance, int method, std::span<const weft_record> inputs,
+                const Turn& turn);
+  Outcome finish(Instance& instance, Scope& scope, std::span<const weft_record> inputs,
+                 std::int32_t status, const weft_error& error);
+  weft_call make_call(const Instance& instance, Scope& scope, int method) const;
+  std::int32_t call_here(const Instance& instance, const weft_call& call,
+                         std::span<const weft_record> inputs, std::uint64_t run_frame,
+                         weft_error& error) const;
+  std::int32_t call_worker(Instance& instance, Scope& scope, int method,
+                           std::span<const weft_record> inputs, weft_error* error);
+  Instance* find(std::uint64_t handle) const;
+  void announce(const std::string& stage, const std::string& component, const std::string& what,
+                std::uint64_t frame) const {
+    if (announce_) announce_(stage, component, what, frame);
+  }
+
+  std::uint64_t run_seed_;
+  Log log_;
+  Announce announce_;
+  mutable std::mutex instances_mutex_;
+  std::vector<std::unique_ptr<Instance>> instances_;  ///< handle - 1 is the index; null: destroyed
+  int threads_a_call_ = 1;
+  bool protects_inputs_ = false;
+  std::shared_ptr<MemoryPool> memory_ = std::make_shared<MemoryPool>();
+  CallTimes times_{memory_};
+  std::uint64_t revision_mark_;
+  Cancellation cancellation_;
+  std::shared_ptr<SharedArena> arena_;
+  std::shared_ptr<SharedInputs> inputs_of_workers_;  ///< from the first one on
+};
+
+/// The handle by which calls name an instance.
+std::uint64_t handle_of(const Instance& instance);
+
+}  // namespace weft::host

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+// What an execution context does for runs that change while they run, and at its end.
+#include "host/calling/execution_context_parts.hpp"
+#include "host/records/plugin_error.hpp"
+
+namespace weft::host {
+namespace {
+
+const weft_steering* steering_of(const Instance& sink) {
+  if (sink.table == nullptr || sink.table->get_extension == nullptr) return nullptr;
+  const void* found = sink.table->get_extension(WEFT_STEERING);
+  const auto* steering = static_cast<const weft_steering*>(found);
+  const bool usable = steering != nullptr && steering->struct_size >= sizeof(weft_steering) &&
+                      steering->take_change_requests != nullptr && steering->answer != nullptr;
+  return usable ? steering : nullptr;
+}
+
+}  // namespace
+
+ExecutionContext::~ExecutionContext() {
+  memory_->close();
+  for (std::unique_ptr<Instance>& instance : instances_) {
+    if (instance != nullptr) announce(instance->name, instance->id, "destroy", kOfflineFrame);
+    instance.reset();
+  }
+}
+
+void ExecutionContext::replace(Instance& old, Instance& made) {
+  auto in_place = take_out(made);
+  auto gone = take_out(old);
+  in_place->handle = gone->handle;
+  {
+    const std::lock_guard lock(instances_mutex_);
+    instances_[in_place->handle - 1] = std::move(in_place);
+  }
+  destroy(std::move(gone));
+}
+
+void ExecutionContext::discard(Instance& instance) { destroy(take_out(instance)); }
+
+std::unique_ptr<Instance> ExecutionContext::take_out(Instance& instance) {
+  const std::lock_guard lock(instances_mutex_);
+  return std::move(instances_[instance.handle - 1]);
+}
+
+/// Those nested in it after it: it may call them until it is gone.
+void ExecutionContext::destroy(std::unique_ptr<Instance> instance) {
+  const std::vector<Instance*> nested = instance->nested;
+  announce(instance->name, instance->id, "destroy", kOfflineFrame);
+  instance.reset();
+  for (Instance* each : nested) destroy(take_out(*each));
+}
+
+bool ExecutionContext::steers(const Instance& sink) { return steering_of(sink) != nullptr; }
+
+Result<std::vector<ChangeRequest>> ExecutionContext::take_change_requests(const Instance& sink) {
+  std::vector<ChangeRequest> requests;
+  const auto note = [](void* context, std::uint64_t number, const char* text) {
+    static_cast<std::vector<ChangeRequest>*>(context)->push_back({number, text});
+  };
+  weft_error error = kNoError;
+  const auto status = steering_of(sink)->take_change_requests(sink.self, &requests, note, &error);
+  if (status != WEFT_OK) return plugin_error(status, error, sink.id);
+  return requests;
+}
+
+Result<void> ExecutionContext::answer(const Instance& sink, const ChangeAnswer& answer) {
+  weft_error error = kNoError;
+  const auto status = steering_of(sink)->answer(sink.self, answer.number, answer.frame,
+                                                answer.refusal.c_str(), &error);
+  if (status != WEFT_OK) return plugin_error(status, error, sink.id);
+  return {};
+}
+
+}  // namespace weft::host

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <forward_list>
+#include <optional>
+
+#include "host/calling/execution_context.hpp"
+#include "host/roles/role_rules.hpp"
+#include "host/workers/worker.hpp"
+
+namespace weft::host {
+
+/// What a component returned; anything that is no status is an error.
+inline weft_status status_of(std::int32_t status) {
+  return status >= WEFT_OK && status <= WEFT_END ? static_cast<weft_status>(status) : WEFT_ERROR;
+}
+
+/// A created component, here or in a worker. Destroyed by its library's own function.
+class Instance {
+ public:
+  Instance(const ComponentSpec& spec, std::string in_stage, std::string at_path)
+      : id(spec.component().id),
+        open_rules(spec.component().open_rules),
+        rules(spec.component().rules()),
+        produces(spec.component().produces),
+        record_types(spec.component().record_types),
+        stage(std::move(in_stage)),
+        path(std::move(at_path)),
+        name(path.empty() ? stage : SharedText(stage + "/" + path)) {}
+  ~Instance() {
+    if (self != nullptr) table->destroy(self);
+  }
+  Instance(const Instance&) = delete;
+  Instance& operator=(const Instance&) = delete;
+
+  std::string id;
+  std::shared_ptr<const RoleRules> open_rules;  ///< where the role is open, what `rules` are
+  const RoleRules& rules;
+  std::vector<std::string> produces;
+  std::vector<RecordSchema> record_types;  ///< of vendors
+  SharedText stage;
+  std::string path;  ///< of nested parameters: "start", "start/warp"
+  SharedText name;   ///< both: "solvers/initial_guess/warp"
+  std::uint64_t handle = 0;
+  std::uint64_t run_seed = 0;
+  const weft_component* table = nullptr;  ///< null where the component lives in a worker
+  const weft_device_memory* device_memory =
+      nullptr;  ///< where its library keeps arrays, if it does
+  void* self = nullptr;
+  std::vector<Instance*> nested;
+  std::unique_ptr<Worker> worker;         ///< null where it lives here
+  std::optional<CreateMessage> recreate;  ///< of warps, which workers may have to evaluate
+  bool running = false;
+  bool is_let_finish = false;  ///< its calls are not told to stop
+};
+
+/// What a call got from a component nested in it, which lives as long as the call.
+struct NestedAnswer {
+  Outcome outcome;
+  PooledVector<weft_record> views;  ///< of its records
+  ReachableInputs reached{};        ///< behind those of them that had to be fetched
+};
+
+/// What a call is about.
+struct ExecutionContext::Turn {
+  std::uint64_t frame, draw;  ///< as in weft_invocation
+  std::uint64_t run_frame;    ///< in which it is made: a nested call may be about another one
+  int depth;                  ///< [] nesting depth; 0 for a stage
+};
+
+/// What one running call owns.
+struct ExecutionContext::Scope {
+  ExecutionContext& context;
+  Instance& instance;
+  const RoleMethod* method;
+  Turn turn;
+  PooledVector<std::pair<std::string, std::shared_ptr<Record>>> outputs{context.memory_};
+  std::forward_list<NestedAnswer, PoolAllocator<NestedAnswer>> nested{context.memory_};
+  std::uint64_t downloaded_bytes = 0;  ///< for this call and those nested in it
+  double worker_processor_ms = 0.0;    ///< likewise
+  std::string refusal{};               ///< why the host refused an array, if it says
+
+  /// Whether the role's method may produce this.
+  bool may_produce(std::string_view slot, std::string_view type) const;
+};
+
+/// The functions that every call brings; none throws.
+const weft_host& host_table();
+
+}  // namespace weft::host

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <boost/asio/ip/address.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <weft/core/result.hpp>
+
+namespace weft::live {
+
+/// What a request says of where it comes from; each text as it stands in the request.
+struct Visit {
+  std::string_view target;                 ///< `/ws?token=...`
+  std::string_view host;                   ///< empty where there is none, or more than one
+  std::optional<std::string_view> origin;  ///< of pages that browsers show; absent elsewhere
+  std::string_view authorization;          ///< empty where there is none
+};
+
+/// Why a request is not let in.
+struct Refusal {
+  int status;            ///< of HTTP
+  std::string sentence;  ///< what to change
+};
+
+/// `/ws` of `/ws?token=...`.
+std::string_view path_of(std::string_view target);
+
+/// Who may come in. Pages of other origins could read what a browser on this machine may read, and
+/// a page whose name is made to stand for this machine has the right origin: so both are compared.
+class AccessPolicy {
+ public:
+  AccessPolicy(boost::asio::ip::address listening, std::string token, std::string origin)
+      : listening_(std::move(listening)), token_(std::move(token)), origin_(std::move(origin)) {}
+
+  /// Whether the token must be long enough, and whether it and the origin can be what they say.
+  Result<void> check_token() const;
+  Result<void> check_origin() const;
+
+  /// Nothing where the request may come in. Some files hold no secret and need no token.
+  std::optional<Refusal> refuse(const Visit& visit, bool needs_token) const;
+
+ private:
+  bool is_ours(std::string_view host) const;
+  bool has_token(const Visit& visit) const;
+
+  boost::asio::ip::address listening_;
+  std::string token_, origin_;
+};
+
+}  // namespace weft::live
