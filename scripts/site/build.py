@@ -39,8 +39,7 @@ LISTING = """<!doctype html>
 {body}</body></html>
 """
 MATHJAX = pathlib.Path("/usr/share/javascript/mathjax")
-MATHJAX_PARTS = ["MathJax.js", "config/TeX-AMS_SVG.js", "jax/element", "jax/input/TeX", "extensions/TeX",
-                 "extensions/MathEvents.js", "jax/output/SVG/autoload", "jax/output/SVG/fonts/TeX"]
+MATHJAX_PARTS = ["MathJax.js", "config/TeX-AMS_SVG.js", "extensions", "jax/element", "jax/input/TeX", "jax/output/SVG"]
 
 
 class Stage:
