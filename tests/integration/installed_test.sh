@@ -54,6 +54,10 @@ if test -x "$WEFT_BUILD_DIR/bin/weft-calibrate"; then
   weft calibrate board --out board.pdf >/dev/null || fail "weft calibrate does not find its program"
 fi
 
+echo "-- a plugin author"
+weft plugins new filter mine >/dev/null || fail "weft plugins new does not find what it copies"
+test -f mine/CMakeLists.txt || fail "weft plugins new made no CMakeLists.txt"
+
 echo "-- a program that embeds a pipeline"
 cat >kept.yaml <<TEXT
 weft: 1
