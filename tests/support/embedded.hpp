@@ -8,8 +8,8 @@
 #include <weft/embedding/pipeline.hpp>
 
 #include "host/records/npz.hpp"
-#include "pipeline/runs/frame_loop.hpp"
 #include "pipeline/dumps/replay.hpp"
+#include "pipeline/runs/frame_loop.hpp"
 #include "support/run_lines.hpp"
 
 namespace weft::testing {

@@ -193,7 +193,8 @@ TEST_F(Variants, MixInOneRun) {
   const std::string rest = plugins("avx2");
   const std::string mixed = run("mixed", {path("avx512"), path("plain"), rest});
   const auto used = libraries(mixed);
-  for (const char* stage : {"solvers", "solvers/initial_guess"}) EXPECT_EQ(used.at(stage), path("avx512"));
+  for (const char* stage : {"solvers", "solvers/initial_guess"})
+    EXPECT_EQ(used.at(stage), path("avx512"));
   for (const char* stage : {"warps", "filters/warp"}) EXPECT_EQ(used.at(stage), path("plain"));
   for (const char* stage : {"detectors", "matchers", "filters", "passes"}) {
     EXPECT_EQ(used.at(stage), rest) << stage;

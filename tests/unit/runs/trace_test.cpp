@@ -107,8 +107,10 @@ TEST_F(TraceTest, PutsCallsInsideThoseThatMadeThem) {
                       "  - {use: passes/test.scripted}\n"
                       "  - {use: solvers/test.holder}\n");
   const std::vector<Slice> slices = trace_of(ran);
-  for (const auto& [child, parent] : std::map<std::string, std::string>{
-           {"filters/warp", "filters"}, {"solvers/initial_guess", "solvers"}, {"filters", "frame"}}) {
+  for (const auto& [child, parent] :
+       std::map<std::string, std::string>{{"filters/warp", "filters"},
+                                          {"solvers/initial_guess", "solvers"},
+                                          {"filters", "frame"}}) {
     const std::vector<Slice> children = named(slices, child), parents = named(slices, parent);
     ASSERT_EQ(children.size(), 2U) << child;
     ASSERT_EQ(parents.size(), 2U) << parent;
