@@ -39,7 +39,7 @@ class Instance {
   std::vector<std::string> produces;
   std::vector<RecordSchema> record_types;  ///< of vendors
   SharedText stage;
-  std::string path;  ///< of nested parameters: "start", "start/warp"
+  std::string path;  ///< nested parameters: "initial_guess/warp"
   SharedText name;   ///< both: "solvers/initial_guess/warp"
   std::uint64_t handle = 0;
   std::uint64_t run_seed = 0;

@@ -21,7 +21,7 @@ namespace weft::host {
 
 constexpr int kWarning = 2;  ///< level of a log, as of weft_host.log
 
-/// Where a worker works, of which those of one execution context share the most.
+/// Settings and memory of a worker. Workers of one execution context share most of it.
 struct WorkerContext {
   std::uint64_t run_seed = 0;  ///< [] seed of the run
   int threads = 1;             ///< that a call may use

@@ -209,7 +209,7 @@ Performer::Performer(const Subject& subject, const Performance& how)
 
 Performer::~Performer() = default;
 
-/// An instance in the execution context, of which calls take the passage where there is one.
+/// Creates an instance in the execution context. Its calls go through the passage, if there is one.
 Result<host::Instance*> Performer::made(const Subject& subject) {
   if (how_.arena != nullptr) return context_.instantiate_isolated(subject.spec(), kStage, {});
   auto made = context_.instantiate(subject.spec(), kStage);

@@ -44,7 +44,7 @@ struct StageConfig {
   bool overwrite = false;                    ///< its outputs may go over what is there
   std::optional<host::Isolation> isolation;  ///< `isolate: process`; nothing runs it in this one
   bool stays_here = false;           ///< it has none, though there is a reason to give it one
-  bool isolated_by_default = false;  ///< it has one, of which the pipeline says nothing
+  bool isolated_by_default = false;  ///< it has one that the pipeline does not ask for
   std::optional<CallRule> when;      ///< else it is called in every frame
   yaml::Position at;
 };

@@ -26,8 +26,8 @@ struct TruePlace {
 };
 
 /// The truth of one frame at any template point: barycentric interpolation on the faces of the true
-/// surface, if there are any. Otherwise moving least squares between the true points, none of which
-/// is known to be hidden.
+/// surface, if there are any. Otherwise moving least squares between the true points; then no point
+/// is marked as hidden.
 class TruthMap {
  public:
   /// Copies the data. Fails with invalid_data if the faces are not a valid mesh over the points.
