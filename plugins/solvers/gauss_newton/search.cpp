@@ -72,7 +72,7 @@ void ShapeSearch::run(const Frame& frame, Candidate& candidate) {
   Scales soft = stage;
   soft.strain *= kSoft;
   soft.pair_strain *= kSoft;
-  if (candidate.start == StartKind::rigid) {
+  if (candidate.guess == solvers::Guess::rigid) {
     soft.bend_rad = kRigidBendRad;
     settle(soft);
   }
@@ -90,7 +90,7 @@ void ShapeSearch::run(const Frame& frame, Candidate& candidate) {
 /// Those of a shape that was measured; of other starts, those at rest.
 void ShapeSearch::expect_bends_of_start(const Candidate& candidate) {
   const bool is_measured =
-      candidate.start == StartKind::previous || candidate.start == StartKind::mirrored;
+      candidate.guess == solvers::Guess::previous || candidate.guess == solvers::Guess::mirrored;
   if (is_measured) face_normals(candidate.vertices_m, mesh_->faces, normals_);
   for (std::size_t h = 0; h < mesh_->hinges.size(); ++h) {
     const Hinge& hinge = mesh_->hinges[h];

@@ -40,8 +40,8 @@ class MeshModel {
   const Points3& rest_m() const { return rest_m_; }  ///< [V,3] m
   const std::vector<BendingHinge>& hinges() const { return hinges_; }
 
-  /// With fewer creases, by BendSmoother.
-  Points3 smoothed(const Points3& rough_m) const { return smoother_.smoothed(rough_m); }
+  /// For the nested solver's result.
+  const solvers::BendSmoother& smoother() const { return smoother_; }
 
   /// For lengths along the surface.
   solvers::RestMesh at_rest() const { return {rest_m_, neighbours_, flat_}; }

@@ -13,6 +13,6 @@ namespace weft::gauss_newton {
 /// from the plane of the rest mesh to the image, by least sums of distances over the observations,
 /// tells size, turn in the image and place. Nothing where the observations lie on a line or show
 /// the back.
-std::optional<Points3> frontal_start(const FrameData& frame, const MeshModel& mesh);
+std::optional<Points3> frontal_guess(const FrameData& frame, const MeshModel& mesh);
 
 }  // namespace weft::gauss_newton
