@@ -30,8 +30,8 @@ bool is_tracked(const Shape& previous, const ImageMotion& motion) {
 }  // namespace
 
 Result<void> GuessSearch::run(const SolverInput& in, const BendSmoother& smoother,
-                              Eigen::Index vertex_count, GuessTrial& trial) {
-  const bool has_previous = is_usable(in.previous_shape, vertex_count);
+                              const RestMesh& rest, GuessTrial& trial) {
+  const bool has_previous = is_usable(in.previous_shape, rest.vertices_m.rows());
   if (has_previous) {
     guess_m_ = in.previous_shape->vertices_m.matrix<3>();
     const ImageMotion motion = trial.motion(guess_m_);
@@ -44,18 +44,22 @@ Result<void> GuessSearch::run(const SolverInput& in, const BendSmoother& smoothe
       if (auto run = trial.run(Guess::mirrored, guess_m_, false); !run) return run;
     }
   }
-  return run_nested(in, smoother, vertex_count, has_previous, trial);
+  bool has_candidate = has_previous;
+  if (!rest.is_flat && trial.rigid_guess(in, guess_m_)) {
+    if (auto run = trial.run(Guess::rigid, guess_m_, false); !run) return run;
+    has_candidate = true;
+  }
+  return run_nested(in, smoother, rest, has_candidate, trial);
 }
 
 Result<void> GuessSearch::run_nested(const SolverInput& in, const BendSmoother& smoother,
-                                     Eigen::Index vertex_count, bool has_previous,
-                                     GuessTrial& trial) {
+                                     const RestMesh& rest, bool has_candidate, GuessTrial& trial) {
   const auto solved = solver.solve(trial.question(in));
   if (!solved) {
-    if (solved.error().code != Errc::no_result || !has_previous) return solved.error();
+    if (solved.error().code != Errc::no_result || !has_candidate) return solved.error();
     return {};
   }
-  if (solved->vertices_m.rows() != vertex_count) {
+  if (solved->vertices_m.rows() != rest.vertices_m.rows()) {
     return Error{Errc::plugin_failure, "the initial guess has another number of vertices"};
   }
   guess_m_ = smoother.smoothed(solved->vertices_m.matrix<3>());
@@ -64,8 +68,9 @@ Result<void> GuessSearch::run_nested(const SolverInput& in, const BendSmoother& 
     guess_m_ = solved->vertices_m.matrix<3>();
     if (auto run = trial.run(Guess::rough, guess_m_, false); !run) return run;
   }
-  if (!trial.needs(Guess::rigid, false) || !trial.rigid_guess(guess_m_)) return {};
-  return trial.run(Guess::rigid, guess_m_, false);
+  if (!rest.is_flat || !trial.needs(Guess::rigid, false)) return {};
+  return trial.rigid_guess(in, guess_m_) ? trial.run(Guess::rigid, guess_m_, false)
+                                         : Result<void>{};
 }
 
 SolverInput with_radii(SolverInput in, const std::vector<KnownSurfacePoint>& spheres) {

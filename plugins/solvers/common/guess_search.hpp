@@ -7,6 +7,7 @@
 
 #include "bend_smoother.hpp"
 #include "image_motion.hpp"
+#include "known_spheres.hpp"
 
 namespace weft::solvers {
 
@@ -36,8 +37,8 @@ class GuessTrial {
   /// Input of the nested solver, from the input of the frame.
   virtual SolverInput question(const SolverInput& in) const = 0;
 
-  /// Posed template [V,3] m for Guess::rigid; returns false if there is none.
-  virtual bool rigid_guess(Points3&) const { return false; }
+  /// The template at rest [V,3] m, posed by the measurements; returns false if there is no pose.
+  virtual bool rigid_guess(const SolverInput& in, Points3& guess_m) const = 0;
 
  protected:
   ~GuessTrial() = default;
@@ -45,7 +46,8 @@ class GuessTrial {
 
 /// The initial guesses of a solver that tracks an object: the previous shape; if that is lost, has
 /// jumped or led to a doubtful shape, also its mirror image in depth, the result of a nested solver
-/// (smoothed, then as it is), and the template at rest.
+/// (smoothed, then as it is), and the template at rest. A template that is curved at rest is tried
+/// before the nested solver and always: the nested solvers expect a flat one.
 class GuessSearch {
  public:
   SolverComponent solver{"solvers/brunet_mdh"};
@@ -53,12 +55,12 @@ class GuessSearch {
 
   /// Runs the trial from each guess that it needs. Fails if there is no guess at all, and on other
   /// errors of the nested solver and of the trial.
-  Result<void> run(const SolverInput& in, const BendSmoother& smoother, Eigen::Index vertex_count,
+  Result<void> run(const SolverInput& in, const BendSmoother& smoother, const RestMesh& rest,
                    GuessTrial& trial);
 
  private:
-  Result<void> run_nested(const SolverInput& in, const BendSmoother& smoother,
-                          Eigen::Index vertex_count, bool has_previous, GuessTrial& trial);
+  Result<void> run_nested(const SolverInput& in, const BendSmoother& smoother, const RestMesh& rest,
+                          bool has_candidate, GuessTrial& trial);
 
   Points3 guess_m_;
 };

@@ -12,6 +12,7 @@
 
 #include "candidate.hpp"
 #include "common/guess_search.hpp"
+#include "common/rigid/rigid_pose.hpp"
 #include "confidence.hpp"
 #include "covariance.hpp"
 #include "fit.hpp"
@@ -99,7 +100,7 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
     if (auto read = frame_.read(in, mesh_); !read) return read.error();
     tried_ = 0;
     best_ = -1;
-    const auto run = guesses_.run(in, mesh_.smoother, mesh_.vertex_count(), *this);
+    const auto run = guesses_.run(in, mesh_.smoother, mesh_.at_rest(), *this);
     if (!run) return run.error();
     if (best_ >= 0 && frame_.data.observations.size() < kFewObservations) {
       run_from(Guess::mirrored, solvers::bend_mirrored(candidates_[to_index(best_)].vertices_m));
@@ -146,10 +147,27 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
     return question;
   }
 
-  bool rigid_guess(Points3& guess_m) const override {
-    std::optional<Points3> posed_m = frontal_guess(frame_.data, mesh_);
+  bool rigid_guess(const SolverInput& in, Points3& guess_m) const override {
+    std::optional<Points3> posed_m =
+        mesh_.is_flat ? frontal_guess(frame_.data, mesh_)
+                      : solvers::posed_at_rest(seen_points(), in.camera, mesh_.rest_m);
     if (posed_m) guess_m = *std::move(posed_m);
     return posed_m.has_value();
+  }
+
+  std::vector<solvers::SeenPoint> seen_points() const {
+    std::vector<solvers::SeenPoint> points;
+    points.reserve(frame_.data.observations.size());
+    for (const SeenFace& seen : frame_.data.faces) {
+      const auto corners = mesh_.faces.row(seen.face);
+      for (std::size_t i = seen.first; i < seen.end; ++i) {
+        const Observation& o = frame_.data.observations[i];
+        points.push_back({{corners[0], corners[1], corners[2]},
+                          {o.weights[0], o.weights[1], o.weights[2]},
+                          {o.seen_px[0], o.seen_px[1]}});
+      }
+    }
+    return points;
   }
 
   void run_from(Guess guess, const Points3& from_m) {

@@ -14,6 +14,7 @@
 #include "common/guess_search.hpp"
 #include "common/hidden_bend.hpp"
 #include "common/preset/preset.hpp"
+#include "common/rigid/rigid_pose.hpp"
 #include "confidence.hpp"
 #include "covariance.hpp"
 #include "fit.hpp"
@@ -82,7 +83,7 @@ class ParticleSft final : public Solver, private solvers::GuessTrial {
     if (auto read = frame_.read(in, mesh_, frame_options_); !read) return read.error();
     in_ = &in;
     candidates_.clear();
-    const auto run = guesses_.run(in, mesh_.smoother(), mesh_.vertex_count(), *this);
+    const auto run = guesses_.run(in, mesh_.smoother(), mesh_.at_rest(), *this);
     if (!run) return run.error();
     const Candidate* best = nullptr;
     for (const Candidate& candidate : candidates_) {
@@ -132,6 +133,21 @@ class ParticleSft final : public Solver, private solvers::GuessTrial {
 
   SolverInput question(const SolverInput& in) const override {
     return solvers::with_radii(in, frame_.system.spheres);
+  }
+
+  bool rigid_guess(const SolverInput& in, Points3& guess_m) const override {
+    if (!multi_start_) return false;
+    std::vector<solvers::SeenPoint> points;
+    points.reserve(frame_.system.rays.size());
+    for (const RayConstraint& seen : frame_.system.rays) {
+      const Eigen::Vector3d ray(seen.ray[0], seen.ray[1], seen.ray[2]);
+      points.push_back({seen.vertices,
+                        {seen.weights[0], seen.weights[1], seen.weights[2]},
+                        project(pinhole(in), ray)});
+    }
+    std::optional<Points3> posed_m = solvers::posed_at_rest(points, in.camera, mesh_.rest_m());
+    if (posed_m) guess_m = *std::move(posed_m);
+    return posed_m.has_value();
   }
 
   Result<void> run(Guess guess, const Points3& from_m, bool followed) override {
