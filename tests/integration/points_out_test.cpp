@@ -76,7 +76,8 @@ TEST_F(PointsOut, OnABrokenPipeAreAnErrorOfTheirSinkAndTheRunContinues) {
       weft(R"(("$0" "$@"; echo $? > code) | head -n 1)", {"run", file, "--out", "run"});
   EXPECT_EQ(read_lines(path("code")), std::vector<std::string>{"1"});
   EXPECT_EQ(read_lines(path("printed.out")).size(), 1U);
-  EXPECT_THAT(ended.err, HasSubstr("nobody reads /dev/stdout any more: keep its reader running"));
+  EXPECT_THAT(ended.err,
+              HasSubstr("no component reads /dev/stdout any more: keep its reader running"));
   EXPECT_EQ(read_lines(path("run/frames.jsonl")).size(), 400U);
 }
 

@@ -55,7 +55,7 @@ TEST(RoleContract, AcceptsADeviationThatIsSaidAndRefusesOneThatDoesNotOccur) {
       {.deviations = {"with matches that were rejected before", "with 1 match"},
        .plugin_folders = {kFolder}});
   EXPECT_THAT(report.deviations, Contains(HasSubstr("rejected before: it keeps match")));
-  EXPECT_THAT(report.failures, Contains("with 1 match: is said to deviate and holds"));
+  EXPECT_THAT(report.failures, Contains("with 1 match: is declared as a deviation, and passes"));
 }
 
 /// What `weft plugins check` prints, and its exit code.

@@ -141,7 +141,7 @@ class Viewer:
     def insist(self, text: str) -> str:
         """Wishes until the run has room for it; why it refuses, or nothing."""
         end = time.monotonic() + PATIENCE_S
-        while "wish again" in (refusal := self.request(text)["refusal"]) and time.monotonic() < end:
+        while "send again" in (refusal := self.request(text)["refusal"]) and time.monotonic() < end:
             time.sleep(0.02)
         return refusal
 

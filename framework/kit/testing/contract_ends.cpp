@@ -29,7 +29,7 @@ void check_frame(const Subject& subject, const Camera& camera, const Answer& fra
   if (const auto image = frame.get<Image>("image")) {
     const bool fits =
         image->pixels.dim(0) == camera.height_px && image->pixels.dim(1) == camera.width_px;
-    checks.expect(fits, "the image has another size than the camera says");
+    checks.expect(fits, "the size of the image differs from that of the camera");
   }
   if (const auto matches = frame.get<Correspondences>("correspondences")) {
     for (std::int64_t i = 0; i < matches->count(); ++i) {

@@ -98,7 +98,7 @@ void check_shape(const Case& given, const Shape& made, Checks& checks) {
   const ShapeState state = made.shape_state();
   checks.expect(state == ShapeState::estimated || state == ShapeState::weak,
                 std::string("its shape is '") + to_string(state) +
-                    "': a solver says estimated or weak, the rest is the host's");
+                    "': a solver may set estimated or weak, the host sets the others");
   checks.expect(made.confidence >= 0.0 && made.confidence <= 1.0,
                 "its confidence is not in 0 to 1");
   checks.expect(is_flag(made.source), "its source has entries that are not 0 or 1");
@@ -112,7 +112,8 @@ void check_shape(const Case& given, const Shape& made, Checks& checks) {
 }  // namespace
 
 void check_answer(const Answer& answer, Checks& checks) {
-  if (answer.status == WEFT_CANCELLED) return checks.fail("says cancelled though nobody asked");
+  if (answer.status == WEFT_CANCELLED)
+    return checks.fail("reports cancelled without a cancellation");
   // The host says so where a component left the text empty.
   const bool no_reason =
       answer.message.empty() || answer.message.starts_with("gave no reason for its status");

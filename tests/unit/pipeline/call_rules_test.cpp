@@ -151,7 +151,7 @@ TEST_F(CallRules, AStageThatDecidesWhetherAnotherIsCalledIsNotUnread) {
         .insert(whole.find("  - {use: detectors"), "  - {use: matchers/test.pattern, as: probe}\n")
         .insert(whole.find("detectors/test.scripted, ") + 25, when);
   };
-  EXPECT_THAT(check(with("")).second.text(), HasSubstr("nobody reads the correspondences"));
+  EXPECT_THAT(check(with("")).second.text(), HasSubstr("no component reads the correspondences"));
   EXPECT_EQ(check(with("when: {not_ok: probe}, ")).second.text(), "");
 }
 

@@ -60,7 +60,7 @@ void check_twice(const Subject& subject, const Scene& scene, const Asked& before
     return checks.does_not_apply(why);
   }
   if (!rules.marks && !rules.solves && !rules.samples) {
-    return checks.does_not_apply("its answer speaks of no match, and of no shape");
+    return checks.does_not_apply("its answer contains no matches and no shape");
   }
   const Asked after = ask(subject, moved(scene, move), inner_texels(scene.templ));
   if (!after.answer.is_usable()) return checks.fail("says " + to_text(after.answer));

@@ -139,7 +139,7 @@ TEST_F(FlatReference, DoesNotSearchCellsOfALineWhichLookAlike) {
   photograph(templ.texture);
   const auto out = answer(mesh(), "{}");
   EXPECT_EQ(out.status, WEFT_NO_RESULT);
-  EXPECT_THAT(out.message, HasSubstr("a place that it can be told by"));
+  EXPECT_THAT(out.message, HasSubstr("is unique in its surroundings"));
 }
 
 TEST_F(FlatReference, NeedsTheTexelPitchForMillimetres) {
