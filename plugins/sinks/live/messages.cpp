@@ -192,7 +192,8 @@ Result<Said> parse_said(std::string_view message) {
   const auto type = said.find("type");
   if (type == said.end() || !type->is_string()) return refuse("a message without a type");
   if (*type == "ready") return Said{};
-  if (*type != "wish") return refuse("a message of another type than ready and wish");
+  if (*type != "change_request")
+    return refuse("a message of another type than ready and change_request");
   const auto number = said.find("number"), text = said.find("text");
   if (number == said.end() || !number->is_number_unsigned()) {
     return refuse("a change request without a number from 0 on");

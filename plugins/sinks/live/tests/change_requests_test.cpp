@@ -9,7 +9,7 @@ namespace {
 using ::testing::HasSubstr;
 
 std::string request_text(std::uint64_t number, const std::string& text) {
-  return json{{"type", "wish"}, {"number", number}, {"text", text}}.dump();
+  return json{{"type", "change_request"}, {"number", number}, {"text", text}}.dump();
 }
 
 class LiveChangeRequests : public LiveServer {
