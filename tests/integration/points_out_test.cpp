@@ -89,8 +89,8 @@ TEST_F(PointsOut, NeedADestinationThatWeftCheckCanUnderstand) {
   };
   EXPECT_THAT(answer("to: stdout"),
               HasSubstr("'stdout' begins neither with tcp:// nor with udp://; write tcp://"));
-  EXPECT_THAT(answer(""), HasSubstr("says neither 'to' nor 'path'"));
-  EXPECT_THAT(answer("to: 'tcp://127.0.0.1:5005', path: x"), HasSubstr("says both"));
+  EXPECT_THAT(answer(""), HasSubstr("has neither 'to' nor 'path'"));
+  EXPECT_THAT(answer("to: 'tcp://127.0.0.1:5005', path: x"), HasSubstr("has both"));
 }
 
 }  // namespace

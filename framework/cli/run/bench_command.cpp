@@ -32,7 +32,7 @@ struct Ended {
 
 [[noreturn]] void end(Error error, int exit_code) {
   if (error.code == Errc::cancelled) {
-    throw Ended{{error.code, "nothing is told", "interrupted"}, kFramesFailed};
+    throw Ended{{error.code, "no result is printed", "interrupted"}, kFramesFailed};
   }
   throw Ended{std::move(error), exit_code};
 }

@@ -118,7 +118,7 @@ void check_answer(const Answer& answer, Checks& checks) {
   const bool no_reason =
       answer.message.empty() || answer.message.starts_with("gave no reason for its status");
   if (answer.status != WEFT_OK && no_reason) {
-    return checks.fail("says " + to_text(answer) + " and not why");
+    return checks.fail("reports " + to_text(answer) + " without a reason");
   }
   const bool broken = answer.status == WEFT_ERROR && answer.code == Errc::plugin_failure;
   const bool threw = answer.message.starts_with("threw: ") && answer.message.size() > 7;

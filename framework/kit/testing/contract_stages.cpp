@@ -28,7 +28,7 @@ Answer ask(Performer& performer, const Case& given) {
 void check_status(const Subject& subject, const Case& given, const Answer& answer, Checks& checks) {
   check_answer(answer, checks);
   if (given.expect == Expect::answer && !answer.is_usable()) {
-    checks.fail("says " + to_text(answer) + ", not ok or degenerate");
+    checks.fail("reports " + to_text(answer) + ", not ok or degenerate");
   }
   if (answer.status != WEFT_OK) return;
   if (given.expect != Expect::answer && is_nothing(answer))
@@ -109,7 +109,7 @@ void check_cancelling(const Subject& subject, const Scene& scene, const AskFor& 
     const bool finished = stopped.status == whole.status &&
                           (!subject.is_exact() || difference(stopped, whole).empty());
     if (stopped.status != WEFT_CANCELLED && !finished) {
-      checks.fail("it says " + to_text(stopped) + " and neither stops nor ends its work");
+      checks.fail("it reports " + to_text(stopped) + " and neither stops nor ends its work");
     }
     performer.cancel() = false;
     performer.watch({});

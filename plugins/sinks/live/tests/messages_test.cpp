@@ -129,7 +129,7 @@ TEST(LiveMessages, OfClientsAreReadOrRefusedWithTheReason) {
       {std::string(60'000, '['), "no JSON object"},
       {"{}", "without a type"},
       {R"({"type":5})", "without a type"},
-      {R"({"type":"stop"})", "of another type"},
+      {R"({"type":"stop"})", "of another type than ready and change_request"},
       {R"({"type":"change_request","text":"pause"})", "without a number"},
       {R"({"type":"change_request","number":-1,"text":"pause"})", "without a number"},
       {R"({"type":"change_request","number":1.5,"text":"pause"})", "without a number"},

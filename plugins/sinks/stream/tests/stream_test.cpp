@@ -45,8 +45,8 @@ TEST_F(StreamSink, LeavesTheCovarianceOutWhenAsked) {
 }
 
 TEST_F(StreamSink, NamesWhatIsWrongWithItsDestination) {
-  expect_refused("{}", "says neither 'to' nor 'path'");
-  expect_refused("{to: 'tcp://127.0.0.1:5005', path: points}", "says both 'to' and 'path'");
+  expect_refused("{}", "has neither 'to' nor 'path'");
+  expect_refused("{to: 'tcp://127.0.0.1:5005', path: points}", "has both 'to' and 'path'");
   expect_refused("{to: stdout}", "and 'path' for a file, a named pipe or /dev/stdout");
   std::ofstream(path("file")) << "a file where a folder is needed";
   expect_refused("{path: '" + path("file/points") + "'}", "choose another 'path'");
