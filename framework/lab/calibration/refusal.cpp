@@ -48,7 +48,7 @@ std::optional<std::string> refusal_of(const std::vector<View>& views, const Imag
   if (coverage.largest_tilt_rad < kLeastTilt_rad) {
     return fmt::format(
         "in all views the board is nearly parallel to the image (turned by {:.0f} degrees at "
-        "most): turn the board by 20 to 40 degrees, to each of its four sides",
+        "most): turn the board by 20 to 40 degrees, to all four sides",
         coverage.largest_tilt_rad / kDegree);
   }
   if (coverage.share() < kLeastShare) {
