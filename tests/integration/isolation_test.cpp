@@ -117,10 +117,10 @@ TEST_F(IsolationTest, WhatDidNotComeWithTheProgramHasProcessesOfItsOwnAndGivesTh
   for (const std::string choice : {"none", "auto", "all"}) {
     const Ended ended = run(file, path(choice), {"--isolate", choice});
     ASSERT_EQ(ended.exit_code, 0) << ended.err;
-    const bool tells = ended.err.find("templates/test.scripted") != std::string::npos &&
-                       ended.err.find(
-                           "run in processes of their own (--isolate none runs them "
-                           "here)") != std::string::npos;
+    const bool tells =
+        ended.err.find("templates/test.scripted") != std::string::npos &&
+        ended.err.find("run in separate processes (--isolate none runs them here)") !=
+            std::string::npos;
     EXPECT_EQ(tells, choice == "auto") << ended.err;
     written[choice] = read_text(lines);
     fs::remove(lines);

@@ -128,11 +128,12 @@ TEST_F(OneLineChanges, WorkThatWouldBeLostIsRefusedWithTheFix) {
                                            "  - use: detectors/orb\n"
                                            "  - use: matchers/descriptor\n"));
   EXPECT_EQ(two.exit_code, 2);
-  EXPECT_EQ(two.err, path("pipeline.yaml") +
-                         ":15:5: nobody reads the correspondences of 'matchers', because "
-                         "'matchers#2' makes new ones; name it with as: NAME and take what it "
-                         "makes with from: {correspondences: NAME}, or leave out all that nobody "
-                         "reads: --set without=detectors,matchers\n");
+  EXPECT_EQ(
+      two.err,
+      path("pipeline.yaml") +
+          ":15:5: no component reads the correspondences of 'matchers', because 'matchers#2' makes "
+          "new ones; name it with as: NAME and take what it makes with from: {correspondences: "
+          "NAME}, or omit all unused ones: --set without=detectors,matchers\n");
   const Ended merged = weft("check", replaced(demo_, kMatcher,
                                               "  - use: matchers/descriptor\n"
                                               "  - use: detectors/orb\n"

@@ -73,7 +73,7 @@ TEST_F(SuddenEnd, IsReportedForAComponentThatIsCalledBeforeTheRun) {
       const Ended ended = weft({command, file});
       EXPECT_EQ(ended.exit_code, 4) << command << ended.err;
       EXPECT_THAT(ended.err,
-                  HasSubstr("filters/test_leaving, asked by the checks of " + file + ": " + end))
+                  HasSubstr("filters/test_leaving, called by the checks of " + file + ": " + end))
           << command;
     }
   }

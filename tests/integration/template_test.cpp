@@ -171,7 +171,7 @@ TEST_F(TemplateCommand, FindsMirroredImportsAndDrawsThem) {
         weft({"check", WEFT_PIPELINES "/label.yaml", "--set", "template.flip=" + std::string(flip),
               "--png", path(std::string(flip) + ".png")});
     EXPECT_EQ(checked.exit_code, 1) << flip << checked.err;
-    EXPECT_THAT(checked.out, HasSubstr("the mesh is mirrored against its picture")) << flip;
+    EXPECT_THAT(checked.out, HasSubstr("the mesh is mirrored against its image")) << flip;
     EXPECT_TRUE(read_text(path(std::string(flip) + ".png")).starts_with("\x89PNG"));
   }
   PluginUnderTest builder("templates/mesh", "{" + kLabel + "}");
@@ -179,7 +179,7 @@ TEST_F(TemplateCommand, FindsMirroredImportsAndDrawsThem) {
   const Ended picture = weft(
       {"check", WEFT_PIPELINES "/label.yaml", "--set", "template.texture=" + path("mirrored.ppm")});
   EXPECT_EQ(picture.exit_code, 1) << picture.err;
-  EXPECT_THAT(picture.out, HasSubstr("the picture of the texture is mirrored"));
+  EXPECT_THAT(picture.out, HasSubstr("the image of the texture is mirrored"));
 }
 
 const std::vector<std::string> kPhotograph{"--photo",  kData + "sheet_photo.jpg",

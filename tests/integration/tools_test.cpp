@@ -352,7 +352,7 @@ TEST_F(ReplayTool, SaysWhatIsWrong) {
   write("no npz", "damaged/000000.npz");
   for (const Case& each : std::vector<Case>{
            {{"solver", path("run")}, 2, "did you mean 'solvers'?"},
-           {{"filters", path("run/dumps/solvers")}, 2, "the dump is of the stage 'solvers'"},
+           {{"filters", path("run/dumps/solvers")}, 2, "the dump has the stage 'solvers'"},
            {{"solvers", path("run"), "--params", "{distance: 1}"}, 2, "did you mean 'distance_m'?"},
            {{"solvers", path("run"), "--params", "{refuse: true}"}, 2, "refuses as scripted"},
            {{"solvers", path("run"), "--repeat", "0"}, 2, "--repeat"},

@@ -96,7 +96,7 @@ const Misbehaviour kMisbehaviours[] = {
     {"IndexOutOfRange", "passes/test.scripted", "{bad_vertex_at: [1]}",
      "has the index 30, the template has 30"},
     {"StateOutOfRange", "solvers/test.scripted", "{bad_state_at: [1]}",
-     "a solver may say estimated or weak only"}};
+     "a solver may set only estimated or weak"}};
 
 INSTANTIATE_TEST_SUITE_P(, MisbehaviourInARun, ::testing::ValuesIn(kMisbehaviours),
                          [](const auto& test) { return test.param.name; });

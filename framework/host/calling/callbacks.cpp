@@ -104,7 +104,8 @@ struct Callbacks {
     auto& scope = *static_cast<ExecutionContext::Scope*>(call->context);
     const weft_device_memory* library = scope.instance.device_memory;
     if (library == nullptr) {
-      scope.refusal = "it names no device_memory of its own, and so cannot leave an array there";
+      scope.refusal =
+          "it has no device_memory table, and so cannot deliver an array in device memory";
     }
     Record* record = library != nullptr ? output(call, slot, type, array) : nullptr;
     return record != nullptr &&

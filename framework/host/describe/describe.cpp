@@ -140,7 +140,7 @@ std::string write_sweep(std::ostream& out, const weft_sweep& sweep,
   const std::string name = sweep.parameter;
   const auto number_of = std::find_if(numbers.begin(), numbers.end(),
                                       [&](const Number& each) { return each.name == name; });
-  if (number_of == numbers.end()) return "its sweep is of '" + name + "', which is no number of it";
+  if (number_of == numbers.end()) return "its sweep names '" + name + "', which is no number of it";
   const double* end = sweep.values + sweep.count;
   const bool rising = std::adjacent_find(sweep.values, end, std::greater_equal<>()) == end;
   const bool legal = sweep.count >= 2 && rising && sweep.values[0] >= number_of->minimum &&

@@ -157,9 +157,9 @@ Result<const weft_component*> load(const Installed& installed) {
     const weft_component* component = (*table)->components[i];
     if (component->id != installed.component.id) continue;
     if ((((*table)->flags | component->flags) & kMustBeKnown) == 0) return component;
-    return incompatible(file, "'" + installed.component.id +
-                                  "' asks for what this version of Weft cannot do; install a newer "
-                                  "one");
+    return incompatible(
+        file, "'" + installed.component.id +
+                  "' requires a feature that this version of Weft lacks; install a newer one");
   }
   return incompatible(file, "does not contain '" + installed.component.id +
                                 "'; rebuild it so that library and manifest belong together");

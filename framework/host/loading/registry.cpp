@@ -139,7 +139,7 @@ std::optional<Refusal> check(const Manifest& manifest) {
                   "run: weft plugins describe " + shell_word(manifest.library));
   }
   if (const std::string missing = missing_features(manifest.isa); !missing.empty()) {
-    return refuse(missing, "rebuild the plugin without the flags that ask for them");
+    return refuse(missing, "rebuild the plugin without the flags that require them");
   }
   if (const std::string illegal = illegal_id(manifest); !illegal.empty()) {
     return refuse(illegal, "correct the id in the plugin's source and rebuild it");
@@ -308,7 +308,7 @@ std::string Registry::explain_missing(std::string_view id) const {
   return "no plugin " + quote(id) + " is installed" +
          did_you_mean(id, ids,
                       (has_role ? "; there are: " : "; an id begins with one of these roles: ") +
-                          list + "; the folder of one of your own is given by --plugin-path");
+                          list + "; give the folder of a custom plugin by --plugin-path");
 }
 
 }  // namespace weft::host

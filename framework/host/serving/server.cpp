@@ -196,8 +196,8 @@ class Server {
 /// Empty when the host is of this version.
 std::string stranger(const HelloMessage& hello) {
   if (hello.version == kVersion) return {};
-  return std::string("weft-worker is of version ") + kVersion +
-         ", the program that started it of " + hello.version + "; install both together";
+  return std::string("weft-worker has version ") + kVersion +
+         ", the program that started it has version " + hello.version + "; install both together";
 }
 
 }  // namespace

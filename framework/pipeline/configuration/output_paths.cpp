@@ -171,7 +171,7 @@ class Outputs {
     const std::string there = what_is_there(output.path);
     if (there.empty() || output.overwrite) return {};
     return path + " is " + there +
-           "; choose a path where nothing is, such as a relative one, which stands in the run "
+           "; choose a path where nothing is, such as a relative one, which is below the run "
            "folder, or write 'overwrite: true' beside 'use'";
   }
 

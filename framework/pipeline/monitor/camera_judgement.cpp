@@ -56,7 +56,7 @@ class Judge {
           ", by " + fixed(std::abs(mean(kLens)) * px_per_k1_, 1) +
               " px at the farthest match (k1 = " + fixed(mean(kLens), 2) + " +- " +
               fixed(2.0 * kept_.stds()(kLens), 2) +
-              " beyond what the camera file says): calibrate its distortion",
+              " in addition to the camera file): calibrate its distortion",
           {{kLens, lens}});
     }
     if (is_significant(kept_, kCentreX, kCentre_share) ||

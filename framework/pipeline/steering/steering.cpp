@@ -64,8 +64,8 @@ void Steering::hear(const host::Instance& sink, const ChangeRequest& request) {
     return tell(sink, {request.number, next_frame_, ""});
   }
   tell(sink, {request.number, 0,
-              "no run knows " + quote(request.text) +
-                  "; wish for: set PATH=VALUE, pause, step, resume or stop"});
+              "no run accepts " + quote(request.text) +
+                  "; send set PATH=VALUE, pause, step, resume or stop"});
 }
 
 void Steering::ask(Asked asked) {

@@ -244,11 +244,10 @@ std::vector<std::string> warnings_of(const TextureSurvey& texture, const Templat
   const double most_mm =
       std::max(kMostGapEdges * numbers.mean_edge_mm, kMostGapOfSize * numbers.size_mm.maxCoeff());
   if (texture.gap_mm > most_mm) {
-    warnings.push_back("no match is to be expected within " + rounded(0.5 * texture.gap_mm) +
-                       " mm of (" + rounded(texture.gap_px.x()) + ", " +
-                       rounded(texture.gap_px.y()) +
-                       ") px of the texture, an edge of the mesh or more: nothing tells how the "
-                       "object bends there");
+    warnings.push_back(
+        "no match is to be expected within " + rounded(0.5 * texture.gap_mm) + " mm of (" +
+        rounded(texture.gap_px.x()) + ", " + rounded(texture.gap_px.y()) +
+        ") px of the texture, an edge of the mesh or more: how the object bends there is unknown");
   }
   return warnings;
 }

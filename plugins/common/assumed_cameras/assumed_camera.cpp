@@ -63,14 +63,14 @@ std::optional<Whole> whole_in_exif(const PhotoFacts& photo) {
       photo.exif_px.width >= photo.size_px.width && photo.exif_px.height >= photo.size_px.height;
   const bool is_whole = is_sensor(ratio) || is_trimmed(ratio);
   if (!fits || !is_whole || is_near(ratio_of(photo.size_px), ratio)) return std::nullopt;
-  return Whole{photo.exif_px, kOfExif, "as EXIF says"};
+  return Whole{photo.exif_px, kOfExif, "by EXIF"};
 }
 
 /// An image with the sides of a sensor, if it is no part.
 std::optional<Whole> whole_by_sides(const PhotoFacts& photo) {
   const double ratio = ratio_of(photo.size_px);
-  if (is_sensor(ratio)) return Whole{photo.size_px, kOfExif, "as another image says"};
-  if (is_trimmed(ratio)) return Whole{photo.size_px, kOfTrimmed, "as another image says"};
+  if (is_sensor(ratio)) return Whole{photo.size_px, kOfExif, "by another image"};
+  if (is_trimmed(ratio)) return Whole{photo.size_px, kOfTrimmed, "by another image"};
   return std::nullopt;
 }
 
@@ -119,7 +119,7 @@ std::string name_of(const PhotoFacts& photo) {
 Focal focal_of(const PhotoFacts& photo, const std::optional<Whole>& largest) {
   const Whole whole = whole_of(photo, largest)
                           .value_or(Whole{usual_whole(photo.size_px), kOfUnknown,
-                                          "as is assumed, since EXIF does not say it"});
+                                          "by assumption, since EXIF lacks the size"});
   std::string from =
       fmt::format("{} mm in terms of 35 mm film, EXIF of {}", photo.focal_35mm_mm, name_of(photo));
   if (whole.size_px != photo.size_px) {
@@ -148,11 +148,12 @@ Result<Focal> common_focal(const std::vector<PhotoFacts>& photos,
     }
     const double ratio = std::max(focal.f_px / first->f_px, first->f_px / focal.f_px);
     if (ratio > kMostFocalRatio) {
-      return Error{Errc::invalid_data,
-                   fmt::format("{}: its EXIF says a focal length of {:.0f} px, but that of {} says "
-                               "{:.0f} px: all images of a source have one camera; read those of "
-                               "each camera, zoom and scale by themselves, or give a camera file",
-                               photo.path, focal.f_px, name_of(*of_first), first->f_px)};
+      return Error{
+          Errc::invalid_data,
+          fmt::format("{}: its EXIF states a focal length of {:.0f} px, but that of {} states "
+                      "{:.0f} px. All images of a source have one camera: read those of each "
+                      "camera, zoom and scale separately, or give a camera file",
+                      photo.path, focal.f_px, name_of(*of_first), first->f_px)};
     }
     first->relative_sd = std::max(first->relative_sd, focal.relative_sd);
   }
@@ -185,7 +186,7 @@ void declare(Params& p, KnownFocal& focal) {
 Result<void> check(const KnownFocal& focal, bool is_assumed) {
   if (focal.by_side > 0.0 && !is_assumed) {
     return Error{
-        Errc::invalid_value, "goes with camera: auto; a camera file says its own focal length", {}};
+        Errc::invalid_value, "needs camera: auto; a camera file already has a focal length", {}};
   }
   if (focal.by_side_sd > 0.0 && !(focal.by_side > 0.0)) {
     return Error{Errc::invalid_value, "must be given where focal_by_side_sd is", {}};
@@ -234,8 +235,8 @@ std::string assumption_text(const Camera& camera) {
   if (!assumed) return {};
   return fmt::format(
       "not calibrated: the focal length is assumed to be {:.0f} px with a standard deviation of "
-      "{:.0f} px ({}), and the principal point to be the middle, ({:.1f}, {:.1f}) px, with "
-      "({:.0f}, {:.0f}) px; depths are as uncertain as the focal length: make a camera file with "
+      "{:.0f} px ({}). The principal point is assumed to be the middle, ({:.1f}, {:.1f}) px, with "
+      "({:.0f}, {:.0f}) px. Depths are as uncertain as the focal length: make a camera file with "
       "`weft calibrate`",
       camera.fx, assumed->focal_sd_px, assumed->from, camera.cx, camera.cy, assumed->cx_sd_px,
       assumed->cy_sd_px);

@@ -91,7 +91,7 @@ std::string missing_in(const PlyHeader& header, bool has_format, PlyUse use) {
            "mesh";
   }
   if (face < vertex && face->count > 0) {
-    return "the element 'face' stands before 'vertex', whose places it needs: export it again";
+    return "the element 'face' precedes 'vertex', whose places it needs: export it again";
   }
   return {};
 }

@@ -50,7 +50,8 @@ class MyNeighbor final : public weft::Filter {
     p.choice(
         "transfer", o.transfer, {{"mesh", Transfer::mesh}, {"warp", Transfer::warp}},
         "mapping of template points to the image; mesh: the warped mesh; warp: the warp itself");
-    p.read("weighted_fit", o.weighted_fit, "fit weights that decrease with the mismatch factor");
+    p.read("weighted_fit", o.weighted_fit,
+           "weights of the fit that decrease with the mismatch factor");
     p.choice("refinement", o.refinement, {{"off", Refinement::off}, {"irls", Refinement::irls}},
              "refinement of the warp; off: none; irls: robust refits to all matches");
     p.read("irls_scales_px", o.irls_scales_px, "px", {0.01, 1e4},

@@ -19,7 +19,7 @@ using weft::InlierMask;
 class Oracle final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
-      .reference = "own: Shetab-Bushehri et al. 2023, ROBUSfT, Sections V and VI (correct matches)",
+      .reference = "own: Shetab-Bushehri et al. 2023, ROBUSfT, Sections V and VI (inliers)",
       .needs = "template camera ground_truth",
       .uses_truth = true};
 

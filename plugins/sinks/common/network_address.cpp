@@ -35,7 +35,7 @@ Error address_error(const std::string& text, const boost::system::error_code& co
     advice = ": another program has this port, choose another";
   if (code == asio::error::access_denied) advice = ": choose a port from 1024 on";
   if (code == boost::system::errc::address_not_available) {
-    advice = ": this machine has another address, choose one of its own";
+    advice = ": this machine has another address, choose one that it has";
   }
   return {Errc::io, text + " cannot be used (" + code.message() + ")" + advice, {}};
 }

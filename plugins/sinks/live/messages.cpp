@@ -192,14 +192,16 @@ Result<Said> parse_said(std::string_view message) {
   const auto type = said.find("type");
   if (type == said.end() || !type->is_string()) return refuse("a message without a type");
   if (*type == "ready") return Said{};
-  if (*type != "wish") return refuse("a message of another type than ready and wish");
+  if (*type != "change_request")
+    return refuse("a message of another type than ready and change_request");
   const auto number = said.find("number"), text = said.find("text");
   if (number == said.end() || !number->is_number_unsigned()) {
-    return refuse("a wish without a number from 0 on");
+    return refuse("a change request without a number from 0 on");
   }
-  if (text == said.end() || !text->is_string()) return refuse("a wish without a text");
+  if (text == said.end() || !text->is_string()) return refuse("a change request without a text");
   Said request{true, number->get<std::uint64_t>(), text->get<std::string>()};
-  if (has_control_character(request.text)) return refuse("a wish with a control character");
+  if (has_control_character(request.text))
+    return refuse("a change request with a control character");
   return request;
 }
 

@@ -97,10 +97,12 @@ Arrivals RunChannel::take() {
 std::string RunChannel::ask(ClientId client, std::uint64_t number, std::string text) {
   const std::lock_guard lock(mutex_);
   if (requests_.size() == kMostRequests) {
-    return "64 wishes wait already: the run takes them before each frame, so wish again then";
+    return "64 change requests wait already: the run takes them before each frame, so send again "
+           "then";
   }
   if (askers_.size() == kMostAskers) {
-    return "256 wishes have no answer yet: the run makes one after the other, so wish again then";
+    return "256 change requests have no answer yet: the run makes one after the other, so send "
+           "again then";
   }
   add_request(client, number, std::move(text));
   return {};

@@ -42,7 +42,7 @@ class NoPipeSignal {
 Error cannot_write(const std::string& path, int reason) {
   if (reason == EPIPE) {
     return {Errc::io,
-            "nobody reads " + path + " any more: keep its reader running, or write a file",
+            "no process reads " + path + " any more: keep its reader running, or write a file",
             {}};
   }
   const std::error_code code(reason, std::generic_category());
@@ -77,7 +77,8 @@ class PathOutlet final : public Outlet {
     while (!bytes.empty()) {
       pollfd place{file_, POLLOUT, 0};
       const int ready = poll(&place, 1, kAskEveryMs);
-      if (ready == 0 && call.cancelled()) return Error{Errc::cancelled, "nobody reads " + path_};
+      if (ready == 0 && call.cancelled())
+        return Error{Errc::cancelled, "no process reads " + path_};
       if (ready <= 0) continue;
       const ssize_t written = ::write(file_, bytes.data(), std::min(bytes.size(), most_at_once_));
       if (written < 0 && errno != EINTR && errno != EAGAIN) return cannot_write(path_, errno);
@@ -107,7 +108,7 @@ MadeOutlet open_path(const std::string& path) {
   }
   if (file >= 0) return std::unique_ptr<Outlet>(std::make_unique<PathOutlet>(file, path));
   if (errno == ENXIO) {
-    return Error{Errc::io, "nobody reads the named pipe " + path + ": start its reader first"};
+    return Error{Errc::io, "no process reads the named pipe " + path + ": start its reader first"};
   }
   return cannot_write(path, errno);
 }

@@ -105,9 +105,10 @@ Result<KnownPoints> CoarseProblem::known_points(const KnownPoints& fine,
     coarse.vertex(p) = v < 0 ? -1 : mesh_.coarse_of(v);
     if (coarse.vertex(p) >= 0) continue;
     if (!templ.m_per_px.present()) {
-      return Error{Errc::invalid_data, name +
-                                           " is at no vertex of the coarse mesh, and the template "
-                                           "has no m_per_px to say where else: use the fine mesh"};
+      return Error{Errc::invalid_data,
+                   name +
+                       " is at no vertex of the coarse mesh, and without m_per_px in the template "
+                       "its place is unknown: use the fine mesh"};
     }
     for (int axis = 0; axis < 2; ++axis) {
       coarse.template_xy_m(p, axis) =

@@ -223,8 +223,8 @@ class CollinsIntegrated final : public Solver {
       why += ", all on a line of the image or in one place";
     }
     if (!tried) return why + ", and no previous shape to follow";
-    return why + ", of which " + std::to_string(tried->fit.agreeing) +
-           " agree with a shape, and the texture correlates by " +
+    return why + ", and " + std::to_string(tried->fit.agreeing) +
+           " of them agree with a shape; the texture correlates by " +
            std::to_string(tried->fit.median_zncc) + " with the image";
   }
 

@@ -87,7 +87,7 @@ Result<Points3> DepthMesh::laid_rigidly(const MatchDepths& found) const {
     to_m.row(i) = pull.distance_m * pull.ray.transpose();
   }
   const auto aligned = align_points(from_m, to_m);
-  if (!aligned) return no_result("the depths do not say where the surface is");
+  if (!aligned) return no_result("the depths do not determine where the surface is");
   return transform_points(*aligned, rest_m_);
 }
 

@@ -208,7 +208,7 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
     if (frame_.inconsistent_pairs > 0) {
       return degenerate(std::move(shape),
                         std::to_string(frame_.inconsistent_pairs) +
-                            " pairs of known points are further apart than the surface allows");
+                            " pairs of known points have larger distances than the surface allows");
     }
     return shape;
   }

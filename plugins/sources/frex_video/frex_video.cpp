@@ -90,7 +90,7 @@ class FrexVideo final : public Source {
     maker_.emplace(*std::move(maker));
     finder_.emplace(*std::move(layout));
     const Eigen::Vector2d size_m = maker_->texture_size_m();
-    call.log_info(fmt::format("the texture is {:.6f} m wide and {:.6f} m high on the sheet",
+    call.log_info(fmt::format("the texture is {:.6f} m wide and {:.6f} m high on the page",
                               size_m.x(), size_m.y()));
     return camera;
   }
@@ -204,6 +204,5 @@ class FrexVideo final : public Source {
 }  // namespace weft::frex_video
 
 using weft::frex_video::FrexVideo;
-WEFT_PLUGIN(
-    FrexVideo, "sources/frex_video", "1.0.0",
-    "Renders a texture onto a recorded sheet of ArUco markers, with 2D and 3D ground truth.")
+WEFT_PLUGIN(FrexVideo, "sources/frex_video", "1.0.0",
+            "Renders a texture onto a recorded page of ArUco markers, with 2D and 3D ground truth.")

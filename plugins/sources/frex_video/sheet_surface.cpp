@@ -284,8 +284,8 @@ Result<SheetSurface> SheetSurface::fit(const Eigen::Vector2d& size_m,
   surface.rms_strain_ = objective.rms_strain(surface.control_m_);
   if (!(surface.rms_px_ <= kWorstFit_px)) {
     return no_result(
-        "no sheet that bends without stretching shows its markers there: check the "
-        "calibration and the layout");
+        "no page that bends without stretching shows its markers there: check the calibration and "
+        "the layout");
   }
   return surface;
 }

@@ -238,9 +238,8 @@ class Images final : public Source {
     if (auto whole = check_fixed("truth", !truth_path_.empty()); !whole) return whole;
     if (images_.camera().is_rotated() && !truth_path_.empty()) {
       return Error{Errc::unsupported,
-                   "'truth' is that of the camera as its file describes it, but the images are "
-                   "turned to be upright, and the camera with them: save the images without "
-                   "orientation, or leave 'truth' out"};
+                   "'truth' fits the camera file, but the images and the camera are turned "
+                   "upright: save the images without orientation, or omit 'truth'"};
     }
     return truth_.open(truth_path_, stems());
   }

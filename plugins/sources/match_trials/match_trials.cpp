@@ -107,8 +107,8 @@ class MatchTrials final : public Source {
     p.read("bend_stiffness", d.bend_stiffness, "", {0.0, 1.0},
            "stiffness of distances across edges; that of the edges is 1");
     p.read("max_strain", d.max_strain, "", {0.0, 1.0},
-           "maximum strain of an edge; a shape that exceeds it is drawn again");
-    p.read("max_draws", d.max_draws, "", {1, 1e9}, "maximum number of shapes drawn per trial");
+           "maximum strain of an edge; a shape that exceeds it is sampled again");
+    p.read("max_draws", d.max_draws, "", {1, 1e9}, "maximum number of shapes sampled per trial");
   }
 
   Rng stream(std::uint64_t purpose, std::int64_t trial) const {

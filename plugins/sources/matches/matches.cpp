@@ -24,8 +24,8 @@ class Matches final : public Source {
 
   explicit Matches(Params& p) {
     p.input_path("path", path_,
-                 "match files, CSV or npz: one per frame, or one with the column frame; * ? and [ "
-                 "] are wildcards",
+                 "files of matches, CSV or npz: one per frame, or one with the column frame; * ? "
+                 "and [ ] are wildcards",
                  Need::required);
     p.input_path("camera", camera_path_,
                  "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info",

@@ -203,4 +203,4 @@ class Synthetic final : public Source {
 using weft::synthetic::Synthetic;
 WEFT_PLUGIN(
     Synthetic, "sources/synthetic", "1.0.0",
-    "Renders a printed sheet that moves and bends without stretching, with exact ground truth.")
+    "Renders a printed surface that moves and bends without stretching, with exact ground truth.")

@@ -52,7 +52,7 @@ Correspondences matches_of(const std::vector<Drawn>& drawn) {
 class TrueMatches final : public Source {
  public:
   static constexpr About kAbout{
-      .reference = "own: Shetab-Bushehri et al. 2023, ROBUSfT, Section VI (correct matches)",
+      .reference = "own: Shetab-Bushehri et al. 2023, ROBUSfT, Section VI (inliers)",
       .produces = "image time correspondences ground_truth",
       .uses_truth = true};
 

@@ -119,7 +119,7 @@ Result<FrameStream> FrameStream::open_address(const std::string& address, double
     const auto pipe = std::make_shared<Pipe>(address);
     if (pipe->number() < 0) return Error{Errc::io, address + ": the pipe cannot be read"};
     if (!comes_to_life(pipe->number(), patience_s, cancelled)) {
-      return Error{Errc::io, address + ": nobody has written into the pipe"};
+      return Error{Errc::io, address + ": no data was written into the pipe"};
     }
     pipe->wait_in_reads();
     source = "pipe:" + std::to_string(pipe->number());

@@ -26,11 +26,11 @@ class Video final : public Source {
            "camera that replaces a file: N of /dev/videoN; -1: none");
     p.text("address", address_,
            "stream that replaces a file: rtsp://..., a pipe, or a GStreamer pipeline to appsink");
-    p.input_path("camera", camera_path_,
-                 "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info; auto: "
-                 "assumed focal length, with a warning for the run; empty: assumed focal length, "
-                 "with a warning for each frame",
-                 Need::optional, {"auto"});
+    p.input_path(
+        "camera", camera_path_,
+        "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info; auto: assumed "
+        "focal length, with one warning; empty: the same, with a warning per frame",
+        Need::optional, {"auto"});
     cameras::declare(p, focal_);
     p.read("start_s", start_s_, "s", {0.0, 1e6}, "time before which frames are skipped");
     p.read("step", step_, "", {1, 1'000'000}, "interval of the frames that are used");

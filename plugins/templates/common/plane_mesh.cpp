@@ -179,9 +179,10 @@ Result<PlaneMesh> fill_outline(const Outline& outline, double spacing_px, int sm
     insert(outline.outer, triangulation);
     for (const Polygon& hole : outline.holes) insert(hole, triangulation);
   } catch (const Triangulation::Intersection_of_constraints_exception&) {
-    return Error{Errc::invalid_data, "the outline crosses itself when it is drawn with sides of " +
-                                         std::to_string(spacing_px) +
-                                         " px: give a finer 'spacing_mm' or more 'vertices'"};
+    return Error{Errc::invalid_data,
+                 "the outline crosses itself when it is approximated with sides of " +
+                     std::to_string(spacing_px) +
+                     " px: give a finer 'spacing_mm' or more 'vertices'"};
   }
   const auto holes = points_in_holes(triangulation);
   const Criteria criteria(kShapeBound, kBoundOverSpacing * spacing_px);

@@ -68,12 +68,12 @@ Result<void> check_materials(Materials materials, MeshFile& file) {
   const std::string materials_are =
       "the faces have " + std::to_string(used.size()) + " materials: " + named(used, pictures);
   if (distinct.size() > 1) {
-    return Error{Errc::invalid_data,
-                 file.path + ": " + materials_are + ", with " + std::to_string(distinct.size()) +
-                     " pictures, but a template has one: bake them into one picture, or export the "
-                     "faces of one material alone"};
+    return Error{Errc::invalid_data, file.path + ": " + materials_are + ", with " +
+                                         std::to_string(distinct.size()) +
+                                         " images, but a template has one: bake them into one "
+                                         "image, or export the faces of one material alone"};
   }
-  file.notes.push_back(materials_are + "; all of them are taken to be in the picture 'texture'");
+  file.notes.push_back(materials_are + "; all of them are assumed to be in the image 'texture'");
   return {};
 }
 

@@ -156,8 +156,8 @@ class MeshTemplate final : public TemplateBuilder {
     if (!has_own) {
       return Error{Errc::invalid_data,
                    file.path +
-                       ": has no texture coordinates: export it with them, or give "
-                       "'coordinates: flattened' to spread the picture over the surface"};
+                       ": has no texture coordinates: export it with them, or give 'coordinates: "
+                       "flattened' to spread the image over the surface"};
     }
     return check_within(file);
   }
@@ -171,8 +171,8 @@ class MeshTemplate final : public TemplateBuilder {
         if (uv.minCoeff() >= -kSlack && uv.maxCoeff() <= 1.0 + kSlack) continue;
         return file.mistake(face, "has the texture coordinates " + std::to_string(uv.x()) + " " +
                                       std::to_string(uv.y()) +
-                                      ", outside the picture (0 to 1): a picture that repeats "
-                                      "cannot be tracked; unfold the mesh into one picture");
+                                      ", outside the image (0 to 1): an image that repeats cannot "
+                                      "be tracked; unfold the mesh into one image");
       }
     }
     return {};
@@ -224,7 +224,7 @@ class MeshTemplate final : public TemplateBuilder {
     if (vertices_ == 0 || std::abs(static_cast<double>(made) / vertices_ - 1.0) <= kClose)
       return {};
     return "meshed anew it has " + std::to_string(made) + " vertices instead of " +
-           std::to_string(vertices_) + ": its pieces and borders in the texture need so many";
+           std::to_string(vertices_) + ": its pieces and borders in the texture need this number";
   }
 
   std::string mesh_path_, texture_path_;

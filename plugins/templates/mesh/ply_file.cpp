@@ -93,10 +93,10 @@ class PlyParser {
     if (std::isnan(picture)) return {};
     if (!picture_) picture_ = picture;
     if (*picture_ == picture) return {};
-    return reader_.mistake(element, i,
-                           "the face is in another picture than the first one (texnumber), but a "
-                           "template has one: bake them into one picture, or export the faces of "
-                           "one picture alone");
+    return reader_.mistake(
+        element, i,
+        "the face is in another image than the first one (texnumber), but a template has one: bake "
+        "them into one image, or export the faces of one image alone");
   }
 
   Result<void> check_indices() const {

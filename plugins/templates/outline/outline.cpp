@@ -159,7 +159,7 @@ class OutlineTemplate final : public TemplateBuilder {
     const Eigen::Index made = mesh.flat_px.rows();
     if (static_cast<double>(made) <= kMostRefined * expected + kLeastMesh) return {};
     return Error{Errc::invalid_data,
-                 "the object falls apart: " + std::to_string(made) +
+                 "the object breaks into pieces: " + std::to_string(made) +
                      " vertices were needed where " + std::to_string(std::lround(expected)) +
                      " fill its area, for it is narrower than the mesh's edges between its " +
                      std::to_string(outline.holes.size()) +
@@ -172,7 +172,7 @@ class OutlineTemplate final : public TemplateBuilder {
     const std::string parameter = spacing_mm_ > 0.0 ? "'spacing_mm'" : "'vertices'";
     if (vertices < kMostVertices && spacing_px >= 1.0) return {};
     return Error{Errc::invalid_value,
-                 parameter + " asks for edges of " +
+                 parameter + " requires edges of " +
                      std::to_string(1000.0 * spacing_px * m_per_px) + " mm, which is " +
                      std::to_string(spacing_px) +
                      " px of the photograph: make the mesh coarser, at least 1 px, and below " +

@@ -117,7 +117,7 @@ Result<void> write_corner_picture(const Photograph& photo, const Findings& findi
                                   const std::string& path) {
   std::vector<std::uint8_t> png;
   if (!cv::imencode(".png", draw_corners(photo, findings), png)) {
-    return Error{Errc::unsupported, "the picture is too large for PNG", path};
+    return Error{Errc::unsupported, "the image is too large for PNG", path};
   }
   return write_whole({reinterpret_cast<const char*>(png.data()), png.size()}, path);
 }

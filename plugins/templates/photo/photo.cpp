@@ -190,8 +190,8 @@ class PhotoTemplate final : public TemplateBuilder {
     const char* effect = side % 2 == 0 ? "the template lacks what is beyond"
                                        : "give as 'width_m' the width of what is seen";
     return fmt::format(
-        "the {} side of the sheet is the border of the photograph: if the sheet goes on beyond it, "
-        "{}",
+        "the {} side of the object is the border of the photograph: if the object continues beyond "
+        "it, {}",
         kNames[side], effect);
   }
 
@@ -212,20 +212,20 @@ class PhotoTemplate final : public TemplateBuilder {
     }
     sheet.view = view_of_sheet(corners_px, photo.pinhole());
     if (sheet.view.tilt_rad > kMostTilt_rad) {
-      return wrong(fmt::format(
-          "the sheet is seen {:.0f} degrees from straight above, too obliquely for a texture: take "
-          "it from above, within {:.0f} degrees",
-          sheet.view.tilt_rad / kDegree, kMostTilt_rad / kDegree));
+      return wrong(
+          fmt::format("the object is seen {:.0f} degrees from straight above, too obliquely for a "
+                      "texture: take it from above, within {:.0f} degrees",
+                      sheet.view.tilt_rad / kDegree, kMostTilt_rad / kDegree));
     }
     sheet.width_m = width_m_;
     const double seen_height_m = width_m_ * sheet.view.height_over_width;
     sheet.height_m = height_m_ > 0.0 ? height_m_ : seen_height_m;
     if (!photo.is_calibrated) sheet.notes.push_back(without_camera(guess, sheet.height_m));
     if (std::abs(sheet.view.skew_rad) > kMostSkew_rad) {
-      sheet.notes.push_back(fmt::format(
-          "the corners are {:.1f} degrees off right angles for this camera: is the sheet flat, and "
-          "is the camera that of this photograph?",
-          std::abs(sheet.view.skew_rad) / kDegree));
+      sheet.notes.push_back(
+          fmt::format("the corners are {:.1f} degrees off right angles for this camera: check that "
+                      "the object is flat, and that the camera belongs to this photograph",
+                      std::abs(sheet.view.skew_rad) / kDegree));
     }
     const double error = std::abs(std::log(sheet.height_m / seen_height_m));
     if (photo.is_calibrated && error > kMostDisagreement) {
@@ -264,11 +264,11 @@ class PhotoTemplate final : public TemplateBuilder {
     const cv::Size size(static_cast<int>(std::lround(sheet.width_m * longer_px / longer_m)),
                         static_cast<int>(std::lround(sheet.height_m * longer_px / longer_m)));
     if (std::min(size.width, size.height) >= kLeastTexture_px) return size;
-    return wrong(fmt::format(
-        "the sheet, {:.4g} x {:.4g} m, would have a texture of {} x {} px, below {} px: check "
-        "'width_m', 'height_m' and 'corners'{}, or take it larger",
-        sheet.width_m, sheet.height_m, size.width, size.height, kLeastTexture_px,
-        texture_px_ > 0 ? ", raise 'texture_px'" : ""));
+    return wrong(
+        fmt::format("the object, {:.4g} x {:.4g} m, would have a texture of {} x {} px, below {} "
+                    "px: check 'width_m', 'height_m' and 'corners'{}, or take it larger",
+                    sheet.width_m, sheet.height_m, size.width, size.height, kLeastTexture_px,
+                    texture_px_ > 0 ? ", raise 'texture_px'" : ""));
   }
 
   Result<Grid> grid_for(const Call& call, const cv::Mat& texture) const {

@@ -189,8 +189,8 @@ Error no_sheet(const SmallView& view, const std::vector<StraightLine>& lines) {
   const std::string hint =
       seems_cut_off(view, lines) ? " (something like one is cut off by the border)" : "";
   return {Errc::invalid_data,
-          "no sheet is found: no four straight edges make a rectangle" + hint +
-              ": show all four corners on a background that differs from the sheet's border, or "
+          "no object is found: no four straight edges make a rectangle" + hint +
+              ": show all four corners on a background that differs from the object's border, or "
               "give 'corners'",
           {}};
 }

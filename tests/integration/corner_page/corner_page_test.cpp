@@ -65,7 +65,7 @@ TEST_F(CornerPageOfTheCommand, IsWrittenBesideTheFolderThatIsNotMade) {
   EXPECT_EQ(refused.exit_code, 2) << refused.out;
   const std::string page = path("poster_corners.html");
   EXPECT_THAT(refused.err,
-              AllOf(HasSubstr("no sheet is found"), HasSubstr("open " + page + " in a browser")));
+              AllOf(HasSubstr("no object is found"), HasSubstr("open " + page + " in a browser")));
   EXPECT_FALSE(fs::exists(path("poster")));
   EXPECT_TRUE(read_text(page).starts_with("<!DOCTYPE html>"));
   fs::create_directory(path("empty"));

@@ -221,7 +221,7 @@ TEST_F(Track, SaysWhatIsWrongBeforeAnythingIsWritten) {
   for (const Case& wrong : {
            Case{{"none.avi", "--object", object}, "none.avi", "there is no such file or folder"},
            Case{{"film.avi", "--object", "none.png"}, "none.png", "there is no such file"},
-           Case{{"film.avi", "--object", "object.txt"}, "object.txt", "no picture"},
+           Case{{"film.avi", "--object", "object.txt"}, "object.txt", "no readable image"},
            Case{{"film.avi", "--object", object}, "film.avi", "is no video"},
            Case{{"nothing.mp4", "--object", object}, "nothing.mp4", "is no video"},
            Case{{"empty", "--object", object}, "empty", "holds no images"},

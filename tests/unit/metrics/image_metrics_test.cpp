@@ -189,7 +189,7 @@ TEST_F(ImageMetricsTest, JitterLeavesOutTriplesAcrossACutOfTheTruth) {
   EXPECT_EQ(metrics.jitter.triples, 4);  // of 6
   EXPECT_EQ(metrics.jitter.truth_triples, 4);
   EXPECT_NEAR(metrics.jitter.mean_mm, 0.0, 1e-9);
-  EXPECT_THAT(to_table(metrics), HasSubstr("cuts left out: 1"));
+  EXPECT_THAT(to_table(metrics), HasSubstr("cuts excluded: 1"));
 }
 
 TEST_F(ImageMetricsTest, AFrameWithAPointBehindTheCameraHasNoFigureAndIsCounted) {

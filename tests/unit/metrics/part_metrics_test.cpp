@@ -132,7 +132,7 @@ TEST(PartMetrics, LeaveAFrameOfCloudsWithoutA3dErrorAndSayWhy) {
   ASSERT_TRUE(metrics) << metrics.error().message;
   ASSERT_EQ(metrics->frames.size(), 1U);
   EXPECT_FALSE(metrics->frames[0].error.has_value());
-  EXPECT_THAT(metrics->frames[0].no_error_because, HasSubstr("nobody knows where"));
+  EXPECT_THAT(metrics->frames[0].no_error_because, HasSubstr("the template are unknown"));
   EXPECT_EQ(metrics->all.unmeasured, 0);
   ASSERT_EQ(metrics->parts.size(), 1U);
   EXPECT_EQ(metrics->parts[0].part, "far");

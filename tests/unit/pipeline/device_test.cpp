@@ -114,7 +114,7 @@ TEST_F(Devices, AComponentThatNamesNoMemoryOfItsOwnCannotLeaveAnArrayThere) {
   text.replace(text.find("detectors/test.device"), 21, "detectors/test.silent");
   const auto report = run_to_failure(text);
   EXPECT_THAT(report, HasSubstr("refused the array 'descriptors'"));
-  EXPECT_THAT(report, HasSubstr("it names no device_memory of its own"));
+  EXPECT_THAT(report, HasSubstr("it has no device_memory table"));
 }
 
 TEST_F(Devices, OnlyWhatTheCatalogueAllowsMayLieThere) {

@@ -48,8 +48,8 @@ TEST_F(OutputPaths, NeverGoOverWhatIsThereUnlessTheEntrySaysSo) {
   fs::create_directory(path("empty"));
   fs::create_symlink("nowhere", path("dangling"));
   const std::string fix =
-      "; choose a path where nothing is, such as a relative one, which stands in the run folder, "
-      "or write 'overwrite: true' beside 'use'";
+      "; choose a path where nothing is, such as a relative one, which is below the run folder, or "
+      "write 'overwrite: true' beside 'use'";
   EXPECT_EQ(answer(to(path("notes.txt"))),
             "5:47: 'path': " + path("notes.txt") + " is a file" + fix);
   EXPECT_EQ(answer(to("../notes.txt")), "5:47: 'path': " + path("notes.txt") + " is a file" + fix);

@@ -155,7 +155,7 @@ TEST(TemplateFaults, NameTheTurnOfTextureCoordinatesOfACurvedObject) {
   // A label turned upside down and left to right is itself, turned by half a turn.
   for (const bool in_u : {true, false}) {
     EXPECT_THAT(faults_of(look(turned(templ, in_u, !in_u), matches)),
-                ElementsAre(AllOf(HasSubstr("the mesh is mirrored against its picture"),
+                ElementsAre(AllOf(HasSubstr("the mesh is mirrored against its image"),
                                   HasSubstr("px with flip: u or v or space, which fit alike"))));
   }
   EXPECT_THAT(faults_of(look(turned(templ, true, true), matches)), IsEmpty());

@@ -73,7 +73,7 @@ class DevelopableSheet {
     const double intervals = std::ceil(reach_m * fastest_per_m / kTurnPerInterval);
     if (!legal || !(intervals <= 1e6)) {
       return Error{Errc::invalid_value,
-                   "a bent sheet needs finite numbers, reach and periods above 0 and a curvature "
+                   "a bent surface needs finite numbers, reach and periods above 0 and a curvature "
                    "that does not turn it more than 10000 rad: correct the profile"};
     }
     DevelopableSheet sheet(centre_m, std::move(bend), camera_from_template);

@@ -108,7 +108,7 @@ inline Result<MarkerSheet> lay_out_markers(const MarkerSheetSpec& spec) {
   return Error{Errc::invalid_value,
                std::to_string(spec.count) + " markers of " + std::to_string(spec.marker_mm) +
                    " mm with gaps of " + std::to_string(spec.gap_mm) +
-                   " mm do not fit on a sheet of " + std::to_string(spec.width_mm) + " x " +
+                   " mm do not fit on a page of " + std::to_string(spec.width_mm) + " x " +
                    std::to_string(spec.height_mm) + " mm: take fewer, smaller or closer ones"};
 }
 
@@ -123,7 +123,7 @@ inline std::string to_yaml(const MarkerSheet& sheet) {
   };
   const auto pair = [&](const auto& p) { return "[" + number(p.x()) + ", " + number(p.y()) + "]"; };
   std::string text =
-      "# Printed markers: mm, x right and y down from the top left corner of the sheet; corners\n"
+      "# Printed markers: mm, x right and y down from the top left corner of the page; corners\n"
       "# are clockwise from the marker's own top left one.\n"
       "marker_sheet: 1\ndictionary: " +
       sheet.dictionary + "\nwidth_mm: " + number(sheet.width_mm) +

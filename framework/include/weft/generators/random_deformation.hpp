@@ -54,7 +54,7 @@ class SheetDeformer {
     const auto faces = rectangular_grid_faces(columns, rows);
     if (!faces || columns < 4 || rest_m.rows() != Eigen::Index{columns} * rows) {
       return Error{Errc::invalid_value,
-                   "a sheet to be deformed needs at least 4 columns and 2 rows of vertices"};
+                   "a surface to be deformed needs at least 4 columns and 2 rows of vertices"};
     }
     const auto topology = build_topology(*faces, rest_m.rows());
     if (!topology) return topology.error();

@@ -88,7 +88,7 @@ TEST_F(TrackedSheet, IsFollowedThroughATurnAndABendAtOnce) {
   const PluginAnswer outcome = follow(now);
   // Parts that come into sight are missed by so much a turn.
   ASSERT_EQ(outcome.status, WEFT_DEGENERATE);
-  EXPECT_THAT(outcome.message, HasSubstr("weak: the sheet turned, grew or sheared by "));
+  EXPECT_THAT(outcome.message, HasSubstr("weak: the surface turned, grew or sheared by "));
   const auto errors = scene_.errors_px(*outcome.get<Correspondences>(), now);
   EXPECT_GT(errors.size(), 120U);
   EXPECT_LT(mean(errors), 0.2);

@@ -9,7 +9,7 @@ namespace {
 using ::testing::HasSubstr;
 
 std::string request_text(std::uint64_t number, const std::string& text) {
-  return json{{"type", "wish"}, {"number", number}, {"text", text}}.dump();
+  return json{{"type", "change_request"}, {"number", number}, {"text", text}}.dump();
 }
 
 class LiveChangeRequests : public LiveServer {
@@ -134,7 +134,7 @@ TEST_F(LiveChangeRequests, BeyondThoseThatMayWaitAreRefusedAtOnce) {
   for (const std::uint64_t number : {64U, 65U}) {
     const json answer = viewer.text();
     EXPECT_EQ(answer["number"], number);
-    EXPECT_THAT(answer["refusal"].get<std::string>(), HasSubstr("64 wishes wait already"));
+    EXPECT_THAT(answer["refusal"].get<std::string>(), HasSubstr("64 change requests wait already"));
   }
   EXPECT_EQ(taken(64).size(), 64U);
   viewer.say(request_text(66, "step"));
@@ -163,7 +163,8 @@ TEST_F(LiveChangeRequests, BeyondThoseThatMayLackAnAnswerAreRefusedAtOnce) {
     ASSERT_EQ(run_channel_.ask(1, number, "set a.b=1"), "");
     ASSERT_EQ(run_channel_.take_change_requests().size(), 1U);
   }
-  EXPECT_THAT(run_channel_.ask(1, 256, "set a.b=1"), HasSubstr("256 wishes have no answer yet"));
+  EXPECT_THAT(run_channel_.ask(1, 256, "set a.b=1"),
+              HasSubstr("256 change requests have no answer yet"));
   EXPECT_TRUE(run_channel_.take_change_requests().empty());
   run_channel_.answer({1, 0, ""});
   EXPECT_EQ(run_channel_.take().answers.size(), 1U);

@@ -97,7 +97,7 @@ class LiveServer : public ::testing::Test {
 
   /// Returns when the server has read all that the viewer has said so far.
   void let_server_read(Viewer& viewer) {
-    viewer.say(R"({"type":"wish","number":0,"text":"step"})");
+    viewer.say(R"({"type":"change_request","number":0,"text":"step"})");
     wait_until([&] { return !run_channel_.take_change_requests().empty(); });
   }
 

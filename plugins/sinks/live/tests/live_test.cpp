@@ -165,7 +165,7 @@ TEST_F(LiveSink, RefusesWhenItRunsWhatItRefusesBefore) {
   EXPECT_THAT(refused.message, HasSubstr("a token is needed"));
   // Of a block that is kept for documentation: no machine has it.
   PluginUnderTest elsewhere("sinks/live", "{address: '192.0.2.1:0', token: 0123456789abcdef}");
-  EXPECT_THAT(open(elsewhere).message, HasSubstr("choose one of its own"));
+  EXPECT_THAT(open(elsewhere).message, HasSubstr("choose one that it has"));
 }
 
 }  // namespace

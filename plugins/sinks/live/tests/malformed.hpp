@@ -49,9 +49,9 @@ class MalformedRequests {
   std::string frames() {
     std::string all;
     for (std::uint32_t i = rng_.below(9); i > 0; --i) {
-      const std::string text =
-          any_of({R"({"type":"ready"})", R"({"type":"wish","number":1,"text":"step"})", "[[[[",
-                  R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":2}]})", "", "\xFF"});
+      const std::string text = any_of(
+          {R"({"type":"ready"})", R"({"type":"change_request","number":1,"text":"step"})", "[[[[",
+           R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":2}]})", "", "\xFF"});
       all += any_of({"\x81", "\x82", "\x88", "\x89", "\x01", std::string(1, '\0')});
       all += static_cast<char>(0x80U | static_cast<unsigned>(text.size()));
       all += std::string(4, '\0') + text;

@@ -154,8 +154,8 @@ Result<ControlMesh> make_control_mesh(const Template& templ, int control_count) 
   if (!topology) return topology.error();
   if (!hangs_together(*topology, mesh.faces.rows())) {
     return Error{Errc::unsupported,
-                 "the faces of the template do not hang together by edges, and nothing says how "
-                 "far one part is when another is known: use one part, or another solver"};
+                 "the faces of the template are not connected by edges, so the depth of one part "
+                 "does not determine that of another: use one part, or another solver"};
   }
   auto edges = distance_constraints(topology->edges, mesh.rest_m);
   if (!edges) return edges.error();

@@ -180,7 +180,7 @@ TEST(ControlMesh, RefusesPartsThatDoNotHangTogether) {
   const auto mesh = make_control_mesh(templ, 25);
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.error().code, Errc::unsupported);
-  EXPECT_THAT(mesh.error().message, HasSubstr("hang together"));
+  EXPECT_THAT(mesh.error().message, HasSubstr("not connected by edges"));
 }
 
 TEST(ControlMesh, NamesAFaceWithoutArea) {

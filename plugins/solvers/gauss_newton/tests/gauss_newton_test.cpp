@@ -369,7 +369,7 @@ TEST(GaussNewtonDegenerate, KnownPointsFartherThanTheSurfaceAllowsAreRelaxed) {
   PluginUnderTest plugin(kId);
   const PluginAnswer out = matched.run(plugin, nullptr, &known);
   EXPECT_EQ(out.status, WEFT_DEGENERATE);
-  EXPECT_THAT(out.message, HasSubstr("further apart than the surface allows"));
+  EXPECT_THAT(out.message, HasSubstr("larger distances than the surface allows"));
 }
 
 }  // namespace

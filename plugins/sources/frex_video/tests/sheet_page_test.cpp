@@ -96,7 +96,7 @@ TEST_F(SheetPage, IsAWholePdfAndTheSameBytesForTheSameSeed) {
   EXPECT_EQ(static_cast<double>(between(pdf, "stream\n", "endstream").size()),
             numbers(between(pdf, "/Length ", " >>")).at(0));
   EXPECT_EQ(between(pdf, "Tm (", ") Tj"),
-            "Print at 100 %, without scaling: the bar is 100 mm.   Weft FREX sheet, 100 markers "
+            "Print at 100 %, without scaling: the bar is 100 mm.   Weft FREX page, 100 markers "
             "5x5_250, seed 5");
   EXPECT_EQ(printed("again", 5), pdf);
   EXPECT_NE(printed("other", 6), pdf);

@@ -273,7 +273,7 @@ TEST_F(GrowingFolderSource, EndsWithAnErrorWhereAllThatCameSortsBeforeTheLastFil
   const PluginAnswer end = source.process(kRead, {}, 1);
   EXPECT_EQ(end.status, WEFT_ERROR);
   EXPECT_THAT(end.message, AllOf(HasSubstr("but 2 that sort before 9.png"),
-                                 HasSubstr("in the order in which they come")));
+                                 HasSubstr("in the order in which they arrive")));
   EXPECT_EQ(source.process(kRead, {}, 2).status, WEFT_END);
 }
 
@@ -305,7 +305,7 @@ TEST_F(GrowingFolderSource, RefusesBeforeAnythingRunsWhatAFolderThatGrowsCannotH
   expect_refused(params(1, "frames"), "path", "is a folder: name its files");
   expect_refused(params(1, "frames/0.png"), "path", "names one file: with 'wait_s' give a pattern");
   expect_refused(params(1, "farmes/*.png"), "path", "does not exist: make it before the run");
-  expect_refused(params(1, "f*/*.png"), "path", "stand in the file name alone");
+  expect_refused(params(1, "f*/*.png"), "path", "may occur in the file name only");
   for (const std::string parameter : {"truth", "depth", "region"}) {
     expect_refused(params(1, "frames/*", ", " + parameter + ": '" + path("*.png") + "'"), parameter,
                    "'" + parameter + "' belongs to frames that are all there");

@@ -50,7 +50,7 @@ class Folder {
 class Writer {
  public:
   explicit Writer(const std::string& path) : file_(::open(path.c_str(), O_WRONLY | O_NONBLOCK)) {
-    if (file_ < 0) throw std::runtime_error("nobody reads " + path);
+    if (file_ < 0) throw std::runtime_error("no component reads " + path);
   }
   ~Writer() { ::close(file_); }
   Writer(const Writer&) = delete;

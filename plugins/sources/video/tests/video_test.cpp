@@ -417,7 +417,7 @@ TEST_F(PipeSource, ACameraThatDoesNotComeBackIsAnErrorAndThenTheEnd) {
 
 TEST_F(PipeSource, APipeWithoutAWriterIsRefused) {
   EXPECT_THAT(refusal("address: '" + new_pipe() + "', timeout_s: 0.05"),
-              AllOf(HasSubstr("pipe0"), HasSubstr("nobody has written")));
+              AllOf(HasSubstr("pipe0"), HasSubstr("no data was written")));
 }
 
 TEST_F(PipeSource, OneOfFileDeviceAndAddressIsGiven) {

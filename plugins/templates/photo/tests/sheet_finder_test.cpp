@@ -140,7 +140,7 @@ TEST(FindSheet, SaysWhatToDoWhereThereIsNoSheet) {
     const Photograph photo = photograph_of(still);
     const auto found = find_sheet(photo);
     ASSERT_FALSE(found);
-    EXPECT_THAT(found.error().message, HasSubstr("no sheet is found"));
+    EXPECT_THAT(found.error().message, HasSubstr("no object is found"));
     EXPECT_THAT(found.error().message, HasSubstr("give 'corners'"));
     EXPECT_FALSE(find_sheet(photo, Missing::to_hands));
     EXPECT_FALSE(find_sheet(photo, Missing::one_side));
