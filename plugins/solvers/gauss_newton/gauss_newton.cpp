@@ -26,7 +26,7 @@ namespace {
 constexpr double kLostResidualPx = 6.0;
 // An object that jumped by this share of its size is found anew.
 constexpr double kJump = 0.25;
-// So many matches do not always tell to which side a sheet bends.
+// Below this number, matches do not always determine to which side a surface bends.
 constexpr std::size_t kFewObservations = 150;
 
 /// Robust nonlinear least squares on the vertices: matches against lengths along the surface.
@@ -173,8 +173,8 @@ class GaussNewton final : public Solver {
     ++tried_;
   }
 
-  /// The start is told the radii that this frame's known points have here, and of matches where
-  /// there are no sightlines.
+  /// The solver of the initial guess receives the radii of this frame's known points, and matches
+  /// where there are no sightlines.
   SolverInput asked_of_start(const SolverInput& in) const {
     SolverInput asked = in;
     if (!asked.sightlines) asked.sightlines = sightlines_of(frame_.data, mesh_.faces);
@@ -235,8 +235,8 @@ class GaussNewton final : public Solver {
     double probability = 0.0;  ///< [] that it, and not the best one, is right
   };
 
-  /// The likeliest one whose mean distance from the best is more than 2 % of the diagonal. Of two
-  /// shapes the odds are exp(-(difference of their energies) / (2 noise^2)).
+  /// The rival is the likeliest candidate whose mean distance from the best is more than 2 % of the
+  /// diagonal. The odds of two shapes are exp(-(difference of their energies) / (2 noise^2)).
   Rival rival_of(const Candidate& best) const {
     constexpr double kOther = 0.02;
     const double noise = observed_noise(best.fit.residual, best.fit.coherence);

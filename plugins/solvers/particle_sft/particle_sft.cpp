@@ -31,7 +31,7 @@ constexpr double kJump = 0.25;
 // One that is within this share of its size was followed from the frame before; behind a cut it may
 // have bent while it stayed in its place.
 constexpr double kNear = 0.03;
-// Of the vertices: where so many are a guess that contradicts itself, the shape is weak.
+// Share of the vertices: where more are a guess that contradicts itself, the shape is weak.
 constexpr double kUnknownShare = 0.1;
 
 /// Particle-SfT: the vertices as particles between their sightlines and the distances at rest.
@@ -154,7 +154,7 @@ class ParticleSft final : public Solver {
                  candidates);
   }
 
-  /// The start is told the radii that this frame's known points have here.
+  /// The solver of the initial guess receives the radii of this frame's known points.
   SolverInput asked_of_start(const SolverInput& in) const {
     SolverInput asked = in;
     if (!asked.known_points) return asked;
@@ -193,7 +193,7 @@ class ParticleSft final : public Solver {
     if (candidate.relaxation.stop == Stop::cancelled) {
       return Error{Errc::cancelled, "cancelled"};
     }
-    if (!frame_.hidden.empty()) {  // distances alone do not tell a bend from its opposite
+    if (!frame_.hidden.empty()) {  // distances alone do not distinguish a bend from its opposite
       solvers::HiddenBend bend = continuation_.continued(candidate.vertices_m, frame_.hidden, {});
       candidate.vertices_m = std::move(bend.shape_m);
       candidate.torn_vertices = bend.torn_vertices;

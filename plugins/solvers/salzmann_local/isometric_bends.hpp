@@ -25,9 +25,10 @@ class IsometricBend {
   /// Every other draw is a cone, its tip at 1.5 to 6 `reach_m` from the middle.
   static IsometricBend draw(const BendSpec& spec, bool cone, Rng& rng);
 
-  /// Where (x,y) m of the plane is, in m. On a cylinder
-  ///   (integral_0^s (cos, sin) of turn(r) dr, t),   (s, t) = (x, y) across and along the rulings,
-  /// on a cone of half angle a, with (r, phi) the plane's polar coordinates about its tip,
+  /// Where (x,y) m of the plane is, in m. On a cylinder it is
+  ///     (integral_0^s (cos, sin) of turn(r) dr, t),
+  /// with (s, t) = (x, y) across and along the rulings. On a cone of half angle a, with (r, phi)
+  /// the plane's polar coordinates about its tip, it is
   ///     r (sin a cos(phi / sin a), sin a sin(phi / sin a), cos a).
   Eigen::Vector3d at(const Eigen::Vector2d& place_m) const;
 
