@@ -15,7 +15,7 @@
 namespace weft::coarse_mesh {
 namespace {
 
-constexpr double kReachInEdges = 2.0;  // distance of a fine vertex beside the coarse mesh
+constexpr double kReachInEdges = 2.0;  // largest distance of a fine vertex beside the coarse mesh
 
 /// The revision of a template that follows from another one and a number; unknown where that one's
 /// is.

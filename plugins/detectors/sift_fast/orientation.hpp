@@ -27,7 +27,8 @@ class Orientation {
   std::vector<float> weights_, across_, down_;
   std::vector<float> lengths_;
   std::vector<std::uint16_t> directions_;
-  float sums_[4][kBins] = {};  ///< each of every fourth gradient: neighbours often share a bin
+  float sums_[4][kBins] = {};  ///< each row sums every fourth gradient: neighbours often share a
+                               ///< bin
   float angles_[kMostAngles] = {};
 };
 

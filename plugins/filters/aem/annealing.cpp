@@ -17,7 +17,8 @@ namespace {
 
 constexpr double kSigmaOfThreshold = 0.6;  // first sigma, of a seed's threshold
 constexpr double kSigmaOfTrack = 0.03;     // share of the template's diagonal in the image
-constexpr double kTrackSmoothing = 1e-3;   // areas of a knot cell: the shape is smooth already
+constexpr double kTrackSmoothing = 1e-3;   // smoothing, in areas of a knot cell: the shape is
+                                           // smooth already
 constexpr double kFirstShare = 0.3, kLeastShare = 0.02, kLargestShare = 0.98;
 constexpr double kCooling = 0.7;           // sigma falls to this in a round at most
 constexpr double kConvergedChange = 0.02;  // relative change of sigma that ends

@@ -8,7 +8,7 @@ struct Evidence {
   double log_likelihood = 0.0;
   double matches = 0.0;  ///< all
   double correct = 0.0;  ///< those of the set
-  double sigmas = 1.0;   ///< standard deviations of its residuals, in multiples of the least sigma
+  double sigmas = 1.0;   ///< standard deviation of its residuals, in multiples of the least sigma
 };
 
 /// Probability that the set is the object: that at least half of it are inliers, and that it holds

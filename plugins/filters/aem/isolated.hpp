@@ -14,7 +14,8 @@ struct Isolated {
         shift(Eigen::ArrayXd::Zero(matches)) {}
 
   Eigen::Array<bool, Eigen::Dynamic, 1> is;  ///< [n]
-  Eigen::ArrayXd shift;  ///< [n] of the log odds: by the share of inliers around, 0 if not isolated
+  Eigen::ArrayXd shift;  ///< [n] shift of the log odds, by the share of inliers around; 0 if not
+                         ///< isolated
 };
 
 /// If it stays in a fit, an isolated match bends the warp to itself and then appears to be an

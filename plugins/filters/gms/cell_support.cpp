@@ -86,7 +86,7 @@ class Flows {
   std::size_t begin_of(int a) const { return first_[to_index(a)]; }
   std::size_t end_of(int a) const { return first_[to_index(a) + 1]; }
 
-  std::vector<std::size_t> first_;  // first of each cell's targets
+  std::vector<std::size_t> first_;  // first target of each cell
   std::vector<int> to_, counts_;    // targets, ascending within a cell
   std::vector<int> matches_;        // in each cell
 };

@@ -48,8 +48,7 @@ class Consensus {
   const std::vector<std::int64_t>& candidates() const { return candidates_; }  ///< [m] matches
   const std::vector<double>& mismatch_percent() const { return mismatch_; }    ///< [m]
   const std::vector<double>& distance_px() const { return distance_px_; }      ///< [m]
-  Stage stage(std::size_t k) const;                                            ///< stage of
-                                                                               ///< candidate k
+  Stage stage(std::size_t k) const;                                            ///< for candidate k
   const Selection& selection() const { return selection_; }
   const Trim& trim() const { return trim_; }
   const Points2& vertices_px() const { return vertices_px_; }  ///< [V,2] the warped mesh

@@ -30,7 +30,7 @@ constexpr int kWider = 3;  // as many neighbours where the nearest predict nothi
 /// The result of a neighbourhood.
 struct Opinion {
   double residual = kUnknown;        ///< residual of the match in its middle
-  std::vector<std::uint8_t> agrees;  ///< flags of its neighbours
+  std::vector<std::uint8_t> agrees;  ///< 1 for each neighbour that agrees
 };
 
 class Neighbourhoods {

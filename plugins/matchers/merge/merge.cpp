@@ -52,7 +52,7 @@ class Merge final : public Matcher {
     if (matches.empty()) return no_result("no matches to merge: all inputs are empty");
     if (in.correspondences.size() == 1) {
       Correspondences only = in.correspondences.front();
-      only.diag = {};  // diagnostics of its matcher alone
+      only.diag = {};  // the diagnostics of its matcher alone
       return only;
     }
     keep_distinct(matches);

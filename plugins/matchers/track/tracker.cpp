@@ -77,7 +77,7 @@ view::Patch::Fit Tracker::take(const view::PredictedView& view, int level, const
   const Eigen::Vector2d place_px = expected_px + target.by_px;
   const int x = first(place_px.x(), dx), y = first(place_px.y(), dy);
   const Eigen::Vector2d corner_px =
-      scale * Eigen::Vector2d(x - 0.5, y - 0.5) - Eigen::Vector2d::Constant(0.5);  // offset of the
+      scale * Eigen::Vector2d(x - 0.5, y - 0.5) - Eigen::Vector2d::Constant(0.5);  // corner of the
                                                                                    // border
   const view::Lattice lattice{expected_px + to_view * (corner_px - place_px),
                               scale * to_view.col(0), scale * to_view.col(1)};

@@ -35,8 +35,7 @@ struct Target {
   Fate fate = Fate::hidden;
   Eigen::Vector2d expected_px = Eigen::Vector2d::Zero();  ///< by the predicted view
   Eigen::Vector2d by_px = Eigen::Vector2d::Zero();        ///< found so far from there
-  float correlation = 0.0F;                               ///< correlation at the last level it was
-                                                          ///< found in
+  float correlation = 0.0F;                               ///< at the last level it was found in
 };
 
 struct TrackerOptions {

@@ -26,7 +26,7 @@ struct Rules {
 struct Dropped {
   int not_evaluated = 0;  ///< [] the warp had to extrapolate there or is not finite
   int outside = 0;        ///< [] beyond the image and its margin
-  int hidden = 0;         ///< [] by the visibility
+  int hidden = 0;         ///< [] hidden by the visibility
 };
 
 /// The faces that are salient, and how many kept matches lie in each.

@@ -192,7 +192,7 @@ class SelfOcclusion final : public Pass {
 
   std::optional<scene::RayCaster> scene_;
   std::optional<coarse_mesh::CoarseMesh> coarse_;  ///< used instead of the template's mesh
-  IndexLists around_;                              ///< lists of the mesh in use
+  IndexLists around_;                              ///< faces around each vertex of the mesh in use
   std::uint64_t mesh_revision_ = 0;
 };
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 constexpr int kStrokeScale = 4;       // letters are strokes: rendered larger, they become smooth
-constexpr double kCapital_px = 21.0;  // capital of this font at scale 1
+constexpr double kCapital_px = 21.0;  // height of a capital of this font at scale 1
 
 /// The parameters of the text before it is made smaller.
 struct Strokes {

@@ -15,9 +15,9 @@ namespace weft::brunet_mdh {
 /// rest mesh aligned rigidly with the placed points. Y moves these points to their places with the
 /// least bending
 ///     sum over hinges h of  weight_h |sum_k coefficient_hk Y_hk|^2  +  1e-6 / s^2 |Y|^2,
-/// hinges as in BendingHinge, s the mean edge length. The small second term decides the freedom
-/// that the first leaves. Vertices among the points are met exactly, points inside faces in the
-/// least-squares sense.
+/// hinges as in BendingHinge, s the mean edge length. The small second term makes the minimum
+/// unique. Vertices among the points are met exactly, points inside faces in the least-squares
+/// sense.
 class BendingFill {
  public:
   /// Analyses and factorises for these points. The result of place() depends on these alone.

@@ -81,8 +81,8 @@ Fit FitGauge::measure(const MeshModel& mesh, const FrameData& frame, const Energ
   return fit;
 }
 
-/// Errors in one place only come from the shape, not from chance. Reads the distances in first_, in
-/// the order of the observations.
+/// Large residuals in one place only come from the shape, not from chance. Reads the distances in
+/// first_, in the order of the observations.
 double FitGauge::far_around(const MeshModel& mesh, const FrameData& frame) {
   seen_around_.assign(to_index(mesh.vertex_count()), {0, 0});
   std::size_t next = 0;

@@ -21,7 +21,7 @@ struct Fit {
   double strain = 0.0;       ///< [] mean |l / l0 - 1| over the edges
   double crease = 0.0;       ///< [] 95th percentile of it
   /// [] of residuals, at least 1. Ratio of the variance of their means around vertices to the
-  /// variance that independent residuals would have. Residuals that are off together count as one.
+  /// variance that independent residuals would have. Correlated residuals count as one.
   double coherence = 1.0;
   double back_share = 0.0;  ///< [] of the faces with observations, those that show their back
 };

@@ -13,7 +13,7 @@ namespace weft::sources {
 
 struct CsvCell {
   std::string text;      ///< without the quotes and the blanks around it
-  std::size_t byte = 0;  ///< offset of the line's first byte
+  std::size_t byte = 0;  ///< position in the line where the cell begins
 };
 
 /// The cells of a line without its line break. A cell may be quoted; `""` inside of quotes is one.

@@ -130,7 +130,7 @@ TEST(NeighbourSets, AreTheSameInAnyUnitOfLength) {
     EXPECT_EQ(sets.offsets, expected.offsets) << exponent;
     EXPECT_EQ(sets.items, expected.items) << exponent;
   }
-  Points2 corners(4, 2);  // the largest distance of two numbers
+  Points2 corners(4, 2);  // coordinates at the limits of the type
   const double most = std::numeric_limits<double>::max();
   corners << -most, -most, most, -most, most, most, -most, 0.5 * most;
   EXPECT_EQ(neighbours(sets_of(corners), 0), (Set{1, 3}));

@@ -52,7 +52,7 @@ TEST_F(LiveViewers, WaitForTheNextFrameWhereTheyHaveHadTheNewest) {
   run_channel_.put_frame(frame(1));
   EXPECT_EQ(viewer.frame().head["frame"], 1);
   viewer.ready();
-  viewer.ready();  // sends no more than one of them
+  viewer.ready();  // two have the effect of one
   let_server_read(viewer);
   run_channel_.put_frame(frame(2));
   EXPECT_EQ(viewer.frame().head["frame"], 2);

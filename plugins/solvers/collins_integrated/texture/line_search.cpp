@@ -16,7 +16,7 @@ constexpr float kNowhere = -2.0F;       // a score that no correlation has
 constexpr float kPricePerPx = 0.01F;    // correlation that a pixel farther must gain
 constexpr float kLeastContrast = 3.0F;  // grey levels, standard deviation of a patch
 constexpr float kLeastInImage = 1.0F;   // the same of what is compared with it
-constexpr double kFlattestView = 0.15;  // share of the two sides of a texel in the image, about
+constexpr double kFlattestView = 0.15;  // ratio of the two sides of a texel in the image, about
 
 /// Beyond the border of the image, the value of the border.
 float clamped_at(const Picture& picture, const Eigen::Vector2f& place) {

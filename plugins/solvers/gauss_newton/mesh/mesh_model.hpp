@@ -84,8 +84,8 @@ struct MeshModel {
 /// Normals of the faces [F,3], twice their area long, towards the camera where it sees the front.
 void face_normals(const Points3& vertices_m, const Faces& faces, Points3& normals);
 
-/// The angle between the two faces of a hinge against a plane, in rad; positive where the front is
-/// hollow.
+/// The angle by which the two faces of a hinge are turned towards each other, in rad; positive
+/// where the front is hollow.
 double angle_rad(const Hinge& hinge, const Points3& normals, const Points3& vertices_m);
 
 /// The curvature of an arc in 1/m from the angles of all hinges; positive where the front is
