@@ -14,8 +14,8 @@
 
 namespace weft::cameras {
 
-/// A camera as its file describes it, and the mapping from its images to those of the ideal pinhole
-/// with the same fx, fy, cx, cy and size. All other components see this pinhole.
+/// A camera as its file describes it, and the mapping from its images to those of an ideal pinhole.
+/// The pinhole has the same fx, fy, cx, cy and size. All other components see this pinhole.
 class CalibratedCamera {
  public:
   /// Reads a camera file; see read_camera_file().

@@ -7,8 +7,8 @@
 
 namespace weft::cameras {
 
-/// Resamples images as an ideal pinhole with the same fx, fy, cx, cy and size would have seen them,
-/// bilinearly, on positions rounded to 1/32 px. Pixels outside the camera's field of view become
+/// Resamples images bilinearly as an ideal pinhole with the same fx, fy, cx, cy and size would have
+/// seen them. Positions are rounded to 1/32 px. Pixels outside the camera's field of view become
 /// black.
 class Undistorter {
  public:

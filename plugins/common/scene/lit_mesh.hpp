@@ -24,8 +24,8 @@ struct FacePoint {
 };
 
 /// A mesh in front of the camera in some light, with perspective-correct interpolation over its
-/// triangles in closed form. With the corners M = [X0 X1 X2] and the ray d = K^-1 (x, y, 1) of a
-/// pixel, the weights are z M^-1 d, z = 1 / sum(M^-1 d).
+/// triangles in closed form. A pixel has the ray d = K^-1 (x, y, 1), and M = [X0 X1 X2] are the
+/// corners. The weights are z M^-1 d, z = 1 / sum(M^-1 d).
 class LitMesh {
  public:
   /// How far beyond its triangle a point may lie, as a weight.

@@ -44,7 +44,7 @@ struct View {
 class SheetRenderer {
  public:
   /// `uv_px` [V,2] px of the texture and `faces`, counter-clockwise from its textured side, belong
-  /// to all surfaces that will be rendered; `background` has the size of the image.
+  /// to all surfaces that will be rendered. `background` has the size of the image.
   static Result<SheetRenderer> create(const Camera& camera, MipTexture print, const Points2& uv_px,
                                       const Faces& faces, Picture background,
                                       const Paper& paper = {});

@@ -46,9 +46,9 @@ XXH64_hash_t hash_of(const std::vector<unsigned char>& binary) {
   return XXH3_64bits(binary.data(), binary.size());
 }
 
-/// Writes beside the final path and renames, so that no process reads half of it, and adds a hash:
-/// some drivers end the process over a damaged binary. A cache that cannot be written only costs
-/// the next start its time.
+/// Writes beside the final path and renames, so that no process reads half of it. A hash precedes
+/// the binary, because some drivers end the process over a damaged one. A cache that cannot be
+/// written only costs the next start its time.
 void store(const fs::path& file, const std::vector<unsigned char>& binary) {
   std::error_code code;
   fs::create_directories(file.parent_path(), code);

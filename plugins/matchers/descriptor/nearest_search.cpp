@@ -22,9 +22,7 @@ bool NearestSearch::for_each_row(CoarseDistances& distances, const std::vector<i
   const int length = distances.row_length();
   const Shares shares{static_cast<int>(queries.size()), kBlockQueries, threads};
   if (benches_.size() < to_index(shares.workers())) benches_.resize(to_index(shares.workers()));
-  if (cancelled())
-    return false;  // other threads may leave the caller's thread no block at which
-                   // to check
+  if (cancelled()) return false;  // the caller's thread may get no block
   return share_out(workers_, shares, [&](int worker, int begin, int end) {
     if (worker == 0 && cancelled()) return false;
     Bench& bench = benches_[to_index(worker)];

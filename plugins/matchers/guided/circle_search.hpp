@@ -11,8 +11,8 @@
 
 namespace weft::guided {
 
-/// The places of the descriptors of one side: predicted ones in the image [px], NaN where unknown,
-/// and those on their own side, in the template or image [px].
+/// The places of the descriptors of one side. Predicted places are in the image [px], NaN where
+/// unknown; the others are on the side itself, in the template or image [px].
 struct SidePlaces {
   std::vector<Eigen::Vector2d> in_image;
   std::vector<Eigen::Vector2d> at_home;

@@ -35,8 +35,8 @@ class AccessPolicy {
   AccessPolicy(boost::asio::ip::address listening, std::string token, std::string origin)
       : listening_(std::move(listening)), token_(std::move(token)), origin_(std::move(origin)) {}
 
-  /// Checks the length of the token where it must be long enough, and the syntax of the token and
-  /// the origin.
+  /// Check that a token is given where other machines can reach the address, its length and
+  /// characters, and the form of the origin.
   Result<void> check_token() const;
   Result<void> check_origin() const;
 

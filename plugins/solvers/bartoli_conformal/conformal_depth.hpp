@@ -17,8 +17,8 @@ struct ConformalSurface {
 };
 
 /// For a surface that is conformal to the template, with the metric s^2 K and an unknown local
-/// scale s, the warp gives grad(psi) up to its sign. Here psi = log(theta) is the logarithm of the
-/// distance:
+/// scale s, the warp gives grad(psi). Its sign is unknown. Here psi = log(theta) is the logarithm
+/// of the distance:
 ///     grad(psi) grad(psi)^T = rho K - G,  rho = s^2 / theta^2 the largest eigenvalue of (G, K).
 /// The isometric distance d is 1 / sqrt(rho), so grad(psi) is the isometric gradient over d and s
 /// is theta / d. The signs are continued over the grid, and psi is integrated. The function keeps

@@ -22,8 +22,8 @@ class Prolongation {
   /// spline of order 3 (r^4 log r and polynomials of degree 2) over the flat mesh. The spline
   /// passes through the coarse vertices within two rings of the face. Flat surfaces stay flat and
   /// arcs stay round up to the border, where thin plates would straighten. The difference between
-  /// the spline and the shape at rest is added in the frame of the face, so that a rigid motion is
-  /// reproduced exactly.
+  /// the spline and the shape at rest is added in the frame of the face. A rigid motion is
+  /// therefore reproduced exactly.
   Points3 surface_m(const Points3View& coarse_m) const;
 
  private:

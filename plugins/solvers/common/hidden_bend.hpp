@@ -24,7 +24,8 @@ Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
                                               const IndexLists& neighbours);
 
 /// Adds all vertices that are not measured. On a template that is curved at rest, the distances
-/// alone do not distinguish its bend from the opposite one, so these vertices are laid out as well.
+/// alone do not distinguish its bend from the opposite one. These vertices are therefore laid out
+/// as well.
 void add_unmeasured(const std::vector<std::uint8_t>& measured, std::vector<std::uint8_t>& hidden);
 
 /// Adds the parts that are not measured, reach the border of the mesh (`border`, its vertices) and
@@ -53,9 +54,9 @@ struct HiddenBend {
 /// therefore follow edges of that direction, and a cylinder continues exactly. The hidden vertices
 /// are then laid out ring by ring, each at the mean of the places that the adjacent edges give.
 ///
-/// A hidden part with seen parts on several sides, as in a fold, is laid out from all of them.
-/// Where that strains a tenth of its edges by 30 %, it is torn: the bend does not continue but
-/// reverses in the hidden part, and this part stays unchanged.
+/// A hidden part with seen parts on several sides, as in a fold, is laid out from all of them. The
+/// part is torn where that strains a tenth of its edges by 30 %. The bend then does not continue
+/// but reverses in the hidden part, and this part stays unchanged.
 class BendContinuation {
  public:
   /// Fails on a mesh that cannot be used.
@@ -66,9 +67,10 @@ class BendContinuation {
   HiddenBend continued(const Points3View& shape_m, const std::vector<std::uint8_t>& hidden,
                        const std::vector<DistanceConstraint>& bending) const;
 
-  /// The angles by which the surface bends across each of edges() where it continues, in rad,
-  /// positive where the front is hollow; elsewhere its present angles. Empty where no edge is seen.
-  /// With more seen edges than `most_seen`, it reads every second, third ... edge.
+  /// The angles by which the surface bends across each of edges(), in rad, positive where the front
+  /// is hollow. Hidden edges have the angles of the continued surface, and others their present
+  /// angles. Empty where no edge is seen. With more seen edges than `most_seen`, it reads every
+  /// second, third ... edge.
   std::vector<double> continued_angles(
       const Points3View& shape_m, const std::vector<std::uint8_t>& hidden,
       std::size_t most_seen = std::numeric_limits<std::size_t>::max()) const;

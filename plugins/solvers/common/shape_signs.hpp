@@ -27,8 +27,8 @@ struct ShapeSigns {
 };
 
 /// For vertices [V,3] m, camera frame, all in front of the camera, and the `edges` of the template.
-/// Roughness: the difference from rest of the angle between a face and the mean of the faces at one
-/// of its corners, as the mean over all corners. Noise of matches increases it, and so do bends.
+/// Roughness compares the angle between a face and the mean of the faces at one of its corners with
+/// that at rest. It is the mean over all corners. Noise of matches increases it, and so do bends.
 ShapeSigns shape_signs(const SolverInput& in, std::span<const DistanceConstraint> edges,
                        const Points3View& vertices_m);
 
@@ -47,7 +47,7 @@ struct ConfidenceWeights {
 };
 
 /// The probability that the mean error of the visible vertices is below 2 % of the template's
-/// diagonal, times the confidence that filters gave to the matches: 1 / (1 + exp(-w . signs)). It
+/// diagonal, 1 / (1 + exp(-w . signs)), times the confidence that filters gave to the matches. It
 /// is 0 for signs that are not finite, as where no match is kept.
 double confidence(const ShapeSigns& signs, const ConfidenceWeights& weights,
                   const std::optional<Correspondences>& matches);

@@ -42,8 +42,8 @@ struct LocalMap {
 /// prior.
 class LocalMapFit {
  public:
-  /// Nothing for fewer than 4 samples, or where they are about on a line: their second moments in
-  /// one direction are below a twentieth of those in the other. The match itself is the sample
+  /// Nothing for fewer than 4 samples, or where they are about on a line. Then their second moments
+  /// in one direction are below a twentieth of those in the other. The match itself is the sample
   /// `own`.
   std::optional<LocalMap> fit(std::span<const MapSample> samples, std::size_t own,
                               const MapExpectation& expected);

@@ -17,9 +17,9 @@ struct SmoothModes {
                              ///< ones, then ascending
 };
 
-/// At most `count` modes. The modes beyond 1, x, y and z at rest use the bending energy K of the
-/// mesh and the projection P on the complement of these four. They are the eigenvectors of P K P
-/// with the smallest eigenvalues, by subspace iteration (Bathe and Wilson, 1972). Therefore a
+/// At most `count` modes. The modes beyond 1, x, y and z at rest follow from the bending energy K
+/// of the mesh. With the projection P on the complement of these four, they are the eigenvectors of
+/// P K P with the smallest eigenvalues, by subspace iteration (Bathe and Wilson, 1972). Therefore a
 /// curved rest shape, and all its affine images, cost nothing.
 SmoothModes smooth_modes(const Points3View& rest_m, const std::vector<BendingHinge>& hinges,
                          int count);

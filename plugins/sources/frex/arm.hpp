@@ -8,7 +8,7 @@
 
 namespace weft::frex {
 
-/// An arm in a striped sleeve that reaches from below the image in front of the surface and swings
+/// An arm in a striped sleeve that reaches from below the image in front of the surface. It swings
 /// there, so that it hides another part in each frame.
 class Arm {
  public:

@@ -23,9 +23,9 @@ class CrossSection {
   /// Direction of the template across which the surface is curved.
   double ruling_rad() const { return ruling_rad_; }
 
-  /// The points [V,2] m of the unrolled surface, measured from its middle, on the surface [V,3] m
-  /// with a curvature added at s m from the middle. The curve is the integral of R(a(s)) c'(s),
-  /// with c the curve at rest and a the integral of the curvature.
+  /// The points [V,2] m of the unrolled surface, measured from its middle, on the surface [V,3] m.
+  /// A curvature is added at s m from the middle. The curve is the integral of R(a(s)) c'(s), with
+  /// c the curve at rest and a the integral of the curvature.
   Points3 rolled(const Points2& unrolled_m,
                  const std::function<double(double s_m)>& curvature_per_m) const;
 

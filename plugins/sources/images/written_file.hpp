@@ -20,8 +20,9 @@ class WrittenFile {
 
   const std::string& path() const { return path_; }
 
-  /// Checks the file once more; call it repeatedly, every few ms. The file is unchanged when
-  /// nothing has changed for `still_s`, and in many checks: a machine that slept checked nothing.
+  /// Checks the file once more; call it repeatedly, every few ms. It counts as complete when
+  /// nothing has changed for `still_s` and in many checks, because a machine that slept checked
+  /// nothing.
   bool is_complete(bool has_later, double still_s);
 
  private:

@@ -27,8 +27,8 @@ Result<Surface> weld(MeshFile& file);
 /// without area in the texture, and those that turn another way than the others.
 Result<void> orient(const MeshFile& file, const Points2& flat_px, Faces& faces);
 
-/// Fails for faces that overlap in the texture by more than a hundredth of a pixel, because each
-/// point of the texture may be only one point of the object.
+/// Fails for faces that overlap in the texture by more than a hundredth of a pixel. Each point of
+/// the texture may be only one point of the object.
 Result<void> check_overlap(const MeshFile& file, const Points2& flat_px, const Faces& faces);
 
 }  // namespace weft::mesh

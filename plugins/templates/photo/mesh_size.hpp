@@ -12,8 +12,8 @@ struct Grid {
   int columns = 0, rows = 0;
 };
 
-/// The longer side of the view in which the keypoints for proposed_grid() are counted: a surface
-/// that fills two thirds of an image of 640 px.
+/// The longer side of the view in which the keypoints for proposed_grid() are counted. It
+/// corresponds to a surface that fills two thirds of an image of 640 px.
 inline constexpr int kViewed_px = 400;
 
 /// Square cells on a surface of this height / width. Half of the keypoints are matched, and a cell

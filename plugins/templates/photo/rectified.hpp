@@ -9,9 +9,9 @@
 namespace weft::photo {
 
 /// The surface as seen from straight above, its corners at the corners of the image. Pixel (i, j)
-/// of W x H is the mean over ((i, j) to (i + 1, j + 1)) / (W, H) of the unit square, which
-/// `ideal_from_unit` maps to ideal px. The photograph is sampled once, bicubically, at the density
-/// of its pixels.
+/// of W x H is the mean over ((i, j) to (i + 1, j + 1)) / (W, H) of the unit square.
+/// `ideal_from_unit` maps this square to ideal px. The photograph is sampled once, bicubically, at
+/// the density of its pixels.
 cv::Mat rectified(const Photograph& photo, const Eigen::Matrix3d& ideal_from_unit,
                   const cv::Size& size_px);
 

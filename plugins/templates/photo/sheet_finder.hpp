@@ -30,13 +30,13 @@ struct FoundSheet {
 ///    is taken, less 15 % if one corner has no edges next to it and 10 % for each end, beyond
 ///    three, at which a side goes on: a printed frame is smaller than its sheet, lines of a table
 ///    go on;
-/// 4. its sides are fitted again in the photograph itself, to a fraction of a pixel. Where more may
-/// be missing, the surface covers a quarter of the photograph. Its sides are edges along 25 % of
-/// their length, in runs without gaps and within 2.5 px, because paper in a hand is not straight.
-/// Two corners are enough, and corners may be 15 px outside of the 1000. A side on the border of
-/// the photograph is taken only if two others meet it there within 10 degrees of a right angle. All
-/// four must be a rectangle within 3 degrees. A surface that is cut off aslant does not pass this
-/// test. Fails, with a suggestion, where there is none.
+/// 4. its sides are fitted again in the photograph itself, to a fraction of a pixel.
+/// Where more may be missing, the surface covers a quarter of the photograph. Its sides are edges
+/// along 25 % of their length, in runs without gaps and within 2.5 px, because paper in a hand is
+/// not straight. Two corners are enough, and corners may be 15 px outside of the 1000. A side on
+/// the border of the photograph is taken only if two others meet it there within 10 degrees of a
+/// right angle. All four must be a rectangle within 3 degrees. A surface that is cut off aslant
+/// does not pass this test. Fails, with a suggestion, where there is none.
 Result<FoundSheet> find_sheet(const Photograph& photo, Missing missing = Missing::little);
 
 /// The same corners, rotated so that the first is the top left one when the photograph is upright.

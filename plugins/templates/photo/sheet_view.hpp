@@ -47,8 +47,8 @@ struct FocalGuess {
   double ratio_error = 0.0;  ///< standard deviation of ln(height / width)
 };
 
-/// Sides must be at right angles (corners found to half a pixel), and the focal length is likely
-/// near that of `start` (ln f normal, sigma 0.2). The result is the mean under both. In a view from
+/// Sides must be at right angles (corners found to half a pixel). The focal length is likely near
+/// that of `start` (ln f normal, sigma 0.2). The result is the mean under both. In a view from
 /// above, the angles do not constrain the focal length, and the focal length does not affect the
 /// ratio.
 FocalGuess guess_focal_length(const Corners& corners_px, const Pinhole& start);

@@ -18,8 +18,8 @@ struct Alignment {
 
 /// A piece of a view, to be found in an image by moving it. Let i be the grey levels of the image
 /// under the patch and t those of the patch. Both are reduced by the plane that fits them best and
-/// divided by their norm. The search minimises the sum of (i(d) - t)^2 over the displacement d by
-/// the inverse compositional scheme of Baker and Matthews (IJCV 2004, equations 18 to 24). Its
+/// divided by their norm. The search minimises the sum of (i(d) - t)^2 over the displacement d. It
+/// uses the inverse compositional scheme of Baker and Matthews (IJCV 2004, equations 18 to 24). Its
 /// slopes are those of t, made orthogonal to t and to such planes. Therefore brightness, contrast
 /// and a shade that grows to one side, as on folds, have no influence.
 class Patch {

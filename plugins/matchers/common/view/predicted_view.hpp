@@ -68,7 +68,7 @@ class PredictedView {
   /// The texture of a face at the places of a lattice, for pixels of a level.
   void sample(std::int32_t face, int level, const Lattice& lattice, Samples& samples) const;
 
-  /// The place in px of the point with these weights in the face, by the last rendered shape; NaN
+  /// The place in px of the point with these weights in the face, by the last rendered shape. NaN
   /// where a corner is not in front of the camera.
   Eigen::Vector2d place_px(std::int32_t face, const Eigen::Vector3d& weights) const;
   /// d(x,y)/d(u,v) of a face, px/px; the mean over its perspective.

@@ -41,14 +41,15 @@ struct ProgramResult {
 /// at rest allow (Salzmann and Fua, Reconstructing sharply folding surfaces: a convex formulation,
 /// CVPR 2009). L is a prior of smooth surfaces (the same, Linear local models for monocular
 /// reconstruction of deformable surfaces, TPAMI 33(5), 2011). The prior has the weight p in px, D
-/// is the distance of a frontal surface, and L has 3 k rows: lambda = p D sqrt(2 sum_i w_i^2 / (3
-/// k)). An rms of one over the rows then costs as much as an rms error of p px over the image. The
-/// reported objective is divided by d sum_i w_i: a mean distance minus the costs of the image.
+/// is the distance of a frontal surface, and L has 3 k rows. Then lambda = p D sqrt(2 sum_i w_i^2 /
+/// (3 k)). An rms of one over the rows therefore costs as much as an rms error of p px over the
+/// image. The reported objective is divided by d sum_i w_i: a mean distance minus the costs of the
+/// image.
 ///
 /// Newton's method finds the optimum along the central path of Barrier, from X = 0. It is finite
-/// exactly where c_T' Q^-1 c_T < 1. Here c_T = d sum_i w_i s_i is the pull on a translation and Q =
-/// sum_i w_i^2 R_i' R_i, both summed over the connected parts of the mesh. The solver lowers d
-/// until the root of that is at most a half.
+/// exactly where c_T' Q^-1 c_T < 1. Here c_T = d sum_i w_i s_i is the pull on a translation, and Q
+/// = sum_i w_i^2 R_i' R_i. Both are summed over the connected parts of the mesh. The solver lowers
+/// d until the root of that is at most a half.
 class InextensibleProgram {
  public:
   /// Fails where the mesh is too large.

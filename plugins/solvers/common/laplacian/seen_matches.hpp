@@ -33,7 +33,7 @@ Result<SeenMatches> read_matches(const Correspondences& matches, const Pinhole& 
 
 /// [3N,3N] (M P)^T W (M P) with a weight [M] for each match, for c = (x.., y.., z..) of the
 /// controls. M X = 0 where each match is on its sightline. With the slopes (a, b) of the sightline,
-/// the rows are x - a z and y - b z in m: the paper's rows divided by the focal length.
+/// the rows are x - a z and y - b z in m. These are the paper's rows divided by the focal length.
 Eigen::MatrixXd reprojection_matrix(const SeenMatches& matches, const Eigen::VectorXd& counts);
 
 /// [M] px, from where each match was seen to where the shape of the controls has it; infinite

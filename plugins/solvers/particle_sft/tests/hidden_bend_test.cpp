@@ -243,7 +243,7 @@ TEST(HiddenBend, BringsASolverNearerToWhatItCannotSee) {
     return sum;
   };
   EXPECT_LT(hidden_error_m(with.get<Shape>().value()), 0.5 * hidden_error_m(first));
-  const testing::PluginAnswer uncovered = scene.run(plugin);  // visible, but nothing was recognised
+  const testing::PluginAnswer uncovered = scene.run(plugin);  // visible but not recognised
   ASSERT_EQ(uncovered.status, WEFT_OK) << uncovered.message;
   EXPECT_LT(hidden_error_m(uncovered.get<Shape>().value()), 0.5 * hidden_error_m(first));
 }
