@@ -14,9 +14,10 @@ namespace {
 // Relative standard deviations of the focal length.
 constexpr double kOfExif = 0.05;     // f35 is a whole number, and focusing changes the view
 constexpr double kOfTrimmed = 0.10;  // 16:9 and 1:1 are made of 4:3 by phones, with the same f35
-constexpr double kOfUnknown = 0.20;  // of a crop: phones write images of 8 to 50 megapixels
+constexpr double kOfUnknown = 0.20;  // relative uncertainty of a crop: phones write images of 8 to
+                                     // 50 megapixels
 constexpr double kOfNothing = 0.25;  // phones 0.75, webcams 0.9, cameras up to 1.4 longer sides
-constexpr double kOfCentre = 0.01;   // of the principal point, in longer sides
+constexpr double kOfCentre = 0.01;   // uncertainty of the principal point, in longer sides
 constexpr double kMostFocalRatio = 1.1;  // ratio of focal lengths that are still one camera
 constexpr double kFilm_mm = 43.27;       // diagonal of 36 x 24 mm
 const cv::Size kUsual_px(4032, 3024);    // the usual image of a phone, 12 megapixels
@@ -46,17 +47,17 @@ cv::Size usual_whole(const cv::Size& part) {
   return turned_as({side, side * 3 / 4}, part);
 }
 
-/// The image of which others are parts.
+/// An uncropped image that may contain other images: its size and the source of that size.
 struct Whole {
   cv::Size size_px;
-  double relative_sd;  ///< of a focal length by its diagonal
-  const char* from;    ///< who says its size
+  double relative_sd;  ///< uncertainty of a focal length from its diagonal
+  const char* from;    ///< source of its size
 };
 
 bool is_sensor(double ratio) { return is_near(ratio, 4.0 / 3.0) || is_near(ratio, 1.5); }
 bool is_trimmed(double ratio) { return is_near(ratio, 16.0 / 9.0) || is_near(ratio, 1.0); }
 
-/// What EXIF says of an image that is cropped and has still the size that it had.
+/// The size in the EXIF data of an image that is cropped, where these have kept the original size.
 std::optional<Whole> whole_in_exif(const PhotoFacts& photo) {
   const double ratio = ratio_of(photo.exif_px);
   const bool fits =
@@ -74,7 +75,7 @@ std::optional<Whole> whole_by_sides(const PhotoFacts& photo) {
   return std::nullopt;
 }
 
-/// Whether a part, turned or not, is not larger than this.
+/// True if a part, turned or not, is not larger than this.
 bool contains(const cv::Size& whole, const cv::Size& part) {
   return std::max(part.width, part.height) <= std::max(whole.width, whole.height) &&
          std::min(part.width, part.height) <= std::min(whole.width, whole.height);
@@ -96,7 +97,8 @@ std::optional<Whole> largest_whole(const std::vector<PhotoFacts>& photos) {
   return largest && std::all_of(photos.begin(), photos.end(), fits) ? largest : std::nullopt;
 }
 
-/// What an image is a part of, or is itself; nothing where that is not known.
+/// The uncropped image that contains an image, or is the image itself; nothing where that is
+/// unknown.
 std::optional<Whole> whole_of(const PhotoFacts& photo, const std::optional<Whole>& largest) {
   if (auto own = whole_in_exif(photo)) return own;
   const auto own = whole_by_sides(photo);

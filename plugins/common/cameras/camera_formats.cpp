@@ -30,7 +30,7 @@ Format stereo(const std::string& matrices, const std::string& coefficients) {
           .each = {}};
 }
 
-/// Keys, of which one is there in files of a program that are not read.
+/// Keys that identify files of a program whose format cannot be read: one of them is present.
 struct Unread {
   std::string_view keys, title;
 };

@@ -85,7 +85,7 @@ void fail_at(const YAML::Node& node, const std::string& message) {
 }
 
 Error error_of(const std::string& path, const std::string& text, const FileMistake& mistake) {
-  // The value of an empty text has no place of its own.
+  // The value of an empty text has no place.
   const std::string place =
       mistake.mark.is_null() ? path + ":1:1: " : place_of(path, text, mistake.mark);
   return {Errc::invalid_data, place + mistake.what(), {}};

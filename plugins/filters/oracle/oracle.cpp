@@ -14,8 +14,9 @@ using weft::Array;
 using weft::FilterInput;
 using weft::InlierMask;
 
-/// Keeps the matches that the truth calls correct: the best that any filter could do. What an
-/// earlier filter rejected stays rejected; its label counts and scores as any other.
+/// Keeps the matches that the ground truth labels as inliers: the upper bound of any filter.
+/// Matches that an earlier filter rejected stay rejected; their labels count and score as any
+/// others.
 class Oracle final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{

@@ -15,7 +15,7 @@ namespace {
 
 std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
 
-/// Looks for the points of the texture where the previous shape says that they are.
+/// Searches for the points of the texture near their projections by the previous shape.
 class Track final : public Matcher {
  public:
   static constexpr About kAbout{

@@ -105,9 +105,9 @@ class FlatReference final : public Pass {
                                        static_cast<double>(most)));
   }
 
-  /// Boxes with their margin, as far as they are on the print, without the blank ones; of a grid
-  /// without those, too, that the print repeats nearby, such as pieces of a line: their places
-  /// cannot be told to a millimetre.
+  /// Boxes with their margin, as far as they are on the texture, without the blank ones. In a grid
+  /// it also omits boxes that the texture repeats nearby, such as pieces of a line: their places
+  /// are ambiguous by more than a millimetre.
   Result<std::vector<cv::Rect>> patches_of(const cv::Mat& print, const double* mm_per_px,
                                            cv::Size range_px) const {
     const cv::Size near_px(in_texels(kNear_mm, mm_per_px[0], print.cols),

@@ -14,7 +14,7 @@ namespace {
 
 enum class Content { mesh, texture, matches, twins };
 
-/// A picture of the template, which is the same in all frames, or of the first frame with a shape.
+/// An image of the template, which is the same in all frames, or of the first frame with a shape.
 class Drawing final : public Sink {
  public:
   static constexpr About kAbout{.needs = "template", .reads = "image camera correspondences shape"};

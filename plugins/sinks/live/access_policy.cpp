@@ -37,7 +37,7 @@ bool are_same(std::string_view given, std::string_view secret) {
   return difference == 0;
 }
 
-/// What stands behind `token=` in the query of a target; empty where nothing does.
+/// The text behind `token=` in the query of a target; empty where there is none.
 std::string_view query_token(std::string_view target) {
   const std::size_t question = target.find('?');
   std::string_view query = question == target.npos ? "" : target.substr(question + 1);

@@ -82,7 +82,7 @@ void put_part(std::string& bytes, const void* part, std::size_t count) {
   bytes.append((4 - count % 4) % 4, '\0');
 }
 
-/// Whether it could end a line of a log, or hide what follows in a text of C.
+/// True if it could end a line of a log, or hide the rest of a text in C.
 bool has_control_character(const std::string& text) {
   return std::any_of(text.begin(), text.end(),
                      [](char c) { return static_cast<unsigned char>(c) < 0x20; });
@@ -172,7 +172,7 @@ std::string frame_message(const FrameCopy& frame, const std::string& jpeg) {
   add_part("vertices_m", "f32", vertex_bytes);
   add_part("visible", "u8", frame.visible.size());
   text += "]}";
-  text.append((4 - text.size() % 4) % 4, ' ');  // what follows stands at multiples of 4
+  text.append((4 - text.size() % 4) % 4, ' ');  // the next bytes are at multiples of 4
 
   std::string bytes;
   bytes.reserve(text.size() + jpeg.size() + vertex_bytes + frame.visible.size() + 20);

@@ -18,7 +18,8 @@
 namespace weft::stream {
 namespace {
 
-/// While it lives, a write of this thread into a pipe that nobody reads says so and ends nothing.
+/// During its lifetime, a write of this thread into a pipe without a reader returns an error
+/// instead of ending the process.
 class NoPipeSignal {
  public:
   NoPipeSignal() {
@@ -89,7 +90,7 @@ class PathOutlet final : public Outlet {
 
   int file_;
   std::string path_;
-  /// So much finds room in a pipe that is ready: nothing else would keep a write from waiting.
+  /// A pipe that is ready has room for this many bytes: larger writes would block.
   std::size_t most_at_once_ = std::numeric_limits<std::size_t>::max();
   Result<void> status_;
 };
@@ -102,7 +103,7 @@ MadeOutlet open_path(const std::string& path) {
     // Opened by its name a file would be written from its beginning.
     file = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
   } else {
-    std::error_code ignored;  // what is missing is told by open()
+    std::error_code ignored;  // open() reports a missing folder
     std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ignored);
     file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC, 0666);
   }

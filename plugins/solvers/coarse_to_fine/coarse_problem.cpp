@@ -40,7 +40,7 @@ Result<SolverInput> CoarseProblem::on_coarse_mesh(const SolverInput& in) const {
     if (!known) return known.error();
     asked.known_points = *std::move(known);
   }
-  if (in.previous_shape) {  // of another mesh it is as if there were none
+  if (in.previous_shape) {  // a shape of another mesh is ignored
     auto before = mesh_.of(*in.previous_shape);
     asked.previous_shape.reset();
     if (before) asked.previous_shape = *std::move(before);
@@ -48,7 +48,7 @@ Result<SolverInput> CoarseProblem::on_coarse_mesh(const SolverInput& in) const {
   return asked;
 }
 
-/// Those of coarse vertices, and those inside faces; what other vertices lie on is left out.
+/// Those of coarse vertices, and those inside faces; sightlines of other vertices are omitted.
 Result<Sightlines> CoarseProblem::sightlines(const Sightlines& fine, const Template& templ) const {
   auto checked = check_sightlines(fine, mesh_.fine_count(), templ.faces.rows());
   if (!checked) return checked.error();

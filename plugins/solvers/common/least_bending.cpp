@@ -22,8 +22,8 @@ Points3 chosen_rows(const Points3View& all, const std::vector<std::uint8_t>& fix
   return chosen;
 }
 
-/// Of the free vertices, numbered by `unknown`: how far the least bending takes them from where
-/// they are, when the others have been moved by `moved` [V,3].
+/// The moves of the free vertices, numbered by `unknown`, to the least bending, when the others
+/// have been moved by `moved` [V,3].
 Points3 free_moves(const std::vector<BendingHinge>& hinges, const std::vector<int>& unknown,
                    Eigen::Index free_count, double ridge, const Points3& moved) {
   std::vector<Eigen::Triplet<double>> entries;

@@ -18,7 +18,7 @@ using solvers::SeenPoint;
 
 constexpr int kFitRounds = 4;
 constexpr double kRestRidge = 1e-6;
-constexpr double kLeastStd = 1e-3;  // of a distance: the surface is off its mesh
+constexpr double kLeastStd = 1e-3;  // share of a distance: the surface deviates from its mesh
 
 }  // namespace
 

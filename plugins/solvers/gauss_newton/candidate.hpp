@@ -22,7 +22,7 @@ struct Candidate {
     return result.stop != Stop::not_finite && vertices_m.allFinite() && fit.back_share <= kMirrored;
   }
 
-  /// Whether another guess may lead further.
+  /// True if another initial guess may lead further.
   bool doubtful() const {
     constexpr double kHighResidualPx = 3.0, kHighStrain = 0.02, kCreased = 0.01;
     constexpr double kManyFar = 0.05, kManyFarAround = 0.75, kManyBacks = 0.05;

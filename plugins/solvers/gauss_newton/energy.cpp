@@ -28,9 +28,9 @@ double chord_m(const Arc& arc, double per_m) {
 
 /// Sums over the observations of a face.
 struct FaceSums {
-  /// Of J^T J: xx, xy, yy, xz, yz and zz for the products of weights 00, 11, 22, 01, 12, 20.
+  /// Sums of J^T J: xx, xy, yy, xz, yz and zz for the products of weights 00, 11, 22, 01, 12, 20.
   double squares[6][6] = {};
-  double slopes[3][3] = {};  ///< of J^T r for each weight
+  double slopes[3][3] = {};  ///< sums of J^T r for each weight
 
   /// The point is seen at (px, py) where f = 1; `j` is d(whitened residual)/d(px, py), lower.
   void add(const double* b, double inverse_z, double px, double py, const Whitening& j,
@@ -174,7 +174,7 @@ double Energy::stretched(const std::vector<Arc>& arcs, const std::vector<double>
       const Eigen::Vector3d slope = per_m / length_m * offset_m;
       to.gradient->row(arc.j) += residual * slope.transpose();
       to.gradient->row(arc.i) -= residual * slope.transpose();
-      // What is longer than it should be resists being moved aside, too.
+      // An edge that is too long resists motion to the side, too.
       const Eigen::Vector3d unit = offset_m / length_m;
       const double aside = std::max(residual, 0.0) * per_m / length_m;
       add_square(arc,

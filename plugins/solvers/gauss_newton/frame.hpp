@@ -19,7 +19,7 @@ struct FrameOptions {
   bool continue_uncovered_bend = true;  ///< []
 };
 
-/// What holds the shape in one frame.
+/// The constraints on the shape in one frame.
 struct Frame {
   FrameOptions options;
   FrameData data;

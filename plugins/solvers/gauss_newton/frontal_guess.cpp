@@ -11,7 +11,7 @@ namespace weft::gauss_newton {
 namespace {
 
 constexpr int kRounds = 20;
-constexpr double kLeastDistancePx = 0.5;  // of a weight; nearer ones count alike
+constexpr double kLeastDistancePx = 0.5;  // least distance in a weight; nearer ones count alike
 constexpr double kFlattest = 1e-3;        // least spread of the observations over the largest
 
 /// x, y and front of the plane of a mesh, as rows, right-handed.

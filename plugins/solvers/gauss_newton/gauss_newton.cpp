@@ -27,7 +27,7 @@ using solvers::Guess;
 
 // A shape that is further from what was seen is lost.
 constexpr double kLostResidualPx = 6.0;
-// So many matches do not always tell to which side a sheet bends.
+// Below this number, matches do not always determine to which side a surface bends.
 constexpr std::size_t kFewObservations = 150;
 
 /// Robust nonlinear least squares on the vertices: matches against lengths along the surface.
@@ -220,8 +220,8 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
     double probability = 0.0;  ///< [] that it, and not the best one, is right
   };
 
-  /// The likeliest one whose mean distance from the best is more than 2 % of the diagonal. Of two
-  /// shapes the odds are exp(-(difference of their energies) / (2 noise^2)).
+  /// The rival is the likeliest candidate whose mean distance from the best is more than 2 % of the
+  /// diagonal. The odds of two shapes are exp(-(difference of their energies) / (2 noise^2)).
   Rival rival_of(const Candidate& best) const {
     constexpr double kOther = 0.02;
     const double noise = observed_noise(best.fit.residual, best.fit.coherence);

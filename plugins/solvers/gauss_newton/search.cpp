@@ -11,7 +11,8 @@ namespace weft::gauss_newton {
 namespace {
 
 constexpr double kSoft = 10.0;                        // times the strain
-constexpr double kHuber = 1.0, kApproachHuber = 4.0;  // what is far off still has to come
+constexpr double kHuber = 1.0, kApproachHuber = 4.0;  // distant observations still have to be
+                                                      // reached
 constexpr double kApproachBendRad = 0.1, kRigidBendRad = 0.02;
 constexpr int kApproachIterations = 10;
 constexpr double kApproachTolerance = 100.0;  // times that of the last steps

@@ -29,7 +29,7 @@ using solvers::Guess;
 
 // A shape that is further from its rays is lost.
 constexpr double kLostResidualPx = 6.0;
-// Of the vertices: where so many are a guess that contradicts itself, the shape is weak.
+// Share of the vertices: where more are a guess that contradicts itself, the shape is weak.
 constexpr double kUnknownShare = 0.1;
 
 /// Particle-SfT: the vertices as particles between their sightlines and the distances at rest.
@@ -166,7 +166,7 @@ class ParticleSft final : public Solver, private solvers::GuessTrial {
     if (candidate.relaxation.stop == Stop::cancelled) {
       return Error{Errc::cancelled, "cancelled"};
     }
-    if (!frame_.hidden.empty()) {  // distances alone do not tell a bend from its opposite
+    if (!frame_.hidden.empty()) {  // distances alone do not distinguish a bend from its opposite
       solvers::HiddenBend bend = continuation_.continued(candidate.vertices_m, frame_.hidden, {});
       candidate.vertices_m = std::move(bend.shape_m);
       candidate.torn_vertices = bend.torn_vertices;

@@ -93,7 +93,7 @@ SplineDomain domain_of(const Eigen::Vector2d& size_m) {
   return {0.0, size_m.x(), 0.0, size_m.y(), count(size_m.x()), count(size_m.y())};
 }
 
-/// Places all over the sheet, two in each direction between two knots.
+/// Places all over the paper, two in each direction between two knots.
 std::vector<Eigen::Vector2d> quadrature(const SplineDomain& domain) {
   std::vector<Eigen::Vector2d> places;
   const int columns = 2 * (domain.nu - 3), rows = 2 * (domain.nv - 3);

@@ -103,7 +103,7 @@ Result<void> GrowingFolder::list(const Call& call) {
   return Error{Errc::io, folder_ + ": the folder can no longer be listed: " + code.message()};
 }
 
-/// Whether the first one waiting can be given.
+/// True if the first waiting file can be returned.
 bool GrowingFolder::has_complete() {
   constexpr double kStill_s = 1.0;
   if (waiting_.empty()) return false;

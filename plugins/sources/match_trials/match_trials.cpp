@@ -18,8 +18,8 @@ namespace {
 /// Purposes of random streams: trials of one seed have the same shapes whatever their matches are.
 constexpr std::uint64_t kShapes = 1, kMatches = 2;
 
-/// Matches without images: a trial is a random deformation of a sheet and correspondences with it,
-/// of which a given part is wrong (Shetab-Bushehri et al. 2023, Section V).
+/// Matches without images. A trial is a random deformation of a surface and correspondences with
+/// it, with a given share of outliers (Shetab-Bushehri et al. 2023, Section V).
 class MatchTrials final : public Source {
  public:
   static constexpr About kAbout{

@@ -13,7 +13,7 @@
 namespace weft::mesh {
 namespace {
 
-/// The picture of each material of a library (map_Kd); none of a library that cannot be read.
+/// The image of each material of a library (map_Kd); none for a library that cannot be read.
 void read_pictures(const std::filesystem::path& path,
                    std::map<std::string, std::string>& pictures) {
   constexpr std::uint64_t kMostBytes = 1U << 22U;

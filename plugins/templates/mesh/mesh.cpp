@@ -18,9 +18,9 @@ namespace {
 
 /// Where texture coordinates come from.
 enum class Coordinates { file, flattened };
-/// Where coordinate 0 is: the outer edge or the centre of the picture's first texel.
+/// The place of coordinate 0: the outer edge or the centre of the image's first texel.
 enum class TexelOrigin { edge, centre };
-/// What of a mesh that was mirrored on its way is turned back.
+/// The axis by which a mirrored mesh is turned back.
 enum class Flip { none, u, v, both, space };
 
 /// A surface of any shape from a mesh file, with its texture: flat, curved or closed. It is cut
@@ -162,7 +162,7 @@ class MeshTemplate final : public TemplateBuilder {
     return check_within(file);
   }
 
-  /// Within the picture, by a thousandth.
+  /// Checks that coordinates are within the image, to a thousandth.
   static Result<void> check_within(const MeshFile& file) {
     constexpr double kSlack = 1e-3;
     for (const MeshFile::Face& face : file.faces) {
@@ -191,7 +191,7 @@ class MeshTemplate final : public TemplateBuilder {
     return flat_px;
   }
 
-  /// Only the part of the picture that faces cover belongs to the object.
+  /// Only the part of the image that faces cover belongs to the object.
   static void keep_covered(const Points2& flat_px, const Faces& faces, cv::Mat& mask) {
     constexpr int kShift = 8;
     cv::Mat covered = cv::Mat::zeros(mask.size(), CV_8U);

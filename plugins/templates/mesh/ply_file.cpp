@@ -67,7 +67,7 @@ class PlyParser {
     return {};
   }
 
-  /// Of a face whose corners have texture coordinates of their own.
+  /// Takes the texture coordinates of a face whose corners have separate ones.
   Result<void> take_texture(const PlyElement& element, std::int64_t i, const PlyRow& row,
                             std::vector<MeshFile::Corner>& corners) {
     const int list = element.find({"texcoord"});
@@ -87,7 +87,7 @@ class PlyParser {
     return {};
   }
 
-  /// Which of several pictures the face is in.
+  /// Takes the index of the face's image, where there are several.
   Result<void> take_picture(const PlyElement& element, std::int64_t i, const PlyRow& row) {
     const double picture = ply::number_at(row, element.find({"texnumber"}));
     if (std::isnan(picture)) return {};
@@ -116,7 +116,7 @@ class PlyParser {
   MeshFile file_;
   ply::PlyReader reader_;
   bool vertices_have_texture_ = false;
-  std::optional<double> picture_;  ///< of the first face that names one
+  std::optional<double> picture_;  ///< image of the first face that names one
 };
 
 }  // namespace

@@ -57,8 +57,8 @@ int count_parts(const std::vector<Triple>& points) {
   return parts;
 }
 
-/// Whether triangles overlap by more than `slack`, by separating axes: no side of either has the
-/// other one beyond it.
+/// True if triangles overlap by more than `slack`, by separating axes: no side of either has the
+/// other triangle completely beyond it.
 bool overlap(const std::array<Eigen::Vector2d, 3>& a, const std::array<Eigen::Vector2d, 3>& b,
              double slack) {
   for (const auto* triangle : {&a, &b}) {

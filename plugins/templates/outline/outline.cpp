@@ -15,7 +15,7 @@
 namespace weft::outline {
 namespace {
 
-/// What is known to be so long.
+/// The dimension with a known length.
 enum class Measured { width, height, longest, picture };
 
 /// A flat object of any outline, from one photograph of it: found on its plain background,
@@ -141,7 +141,8 @@ class OutlineTemplate final : public TemplateBuilder {
     return measured_ == Measured::width ? high.x() - low.x() : high.y() - low.y();
   }
 
-  /// Of so many vertices in a lattice of equilateral triangles, where no spacing was given.
+  /// The spacing for the default number of vertices in a lattice of equilateral triangles, where
+  /// none was given.
   double spacing(const Outline& outline, double m_per_px) const {
     if (spacing_mm_ > 0.0) return 0.001 * spacing_mm_ / m_per_px;
     return std::sqrt(2.0 * outline.area_px2() / (std::sqrt(3.0) * vertices_));

@@ -31,17 +31,17 @@ namespace {
 
 constexpr double kDegree = M_PI / 180.0;
 
-/// Where the sheet is in the photograph, and how large it is.
+/// The place of the surface in the photograph, and its size.
 struct Sheet {
   Corners corners_px;  ///< ideal px
   SheetView view;
   double width_m = 0.0, height_m = 0.0;
-  std::vector<std::string> notes;  ///< what is doubtful
+  std::vector<std::string> notes;  ///< warnings
 };
 
-/// A flat rectangular sheet from one photograph of it: its corners are found, the camera tells its
-/// height, and what is between the corners is the texture. Vertices are at s (u, v, 0) as those of
-/// templates/rectangular.
+/// A flat rectangular surface from one photograph of it. The builder finds the corners, computes
+/// the height by the camera, and takes the area between the corners as the texture. Vertices are at
+/// s (u, v, 0) as those of templates/rectangular.
 class PhotoTemplate final : public TemplateBuilder {
  public:
   static constexpr About kAbout{
@@ -134,9 +134,9 @@ class PhotoTemplate final : public TemplateBuilder {
                  "a side of the mesh has 2 vertices or more; 0 lets them be proposed"};
   }
 
-  /// Without a camera, where no straight sides are found, lenses are tried that bend them. A sheet
-  /// of which hands or the photograph's border hide more is taken where there is no other, or where
-  /// the other is far smaller: a frame that is printed on it.
+  /// Without a camera, where it finds no straight sides, it tries lenses that bend them. It takes a
+  /// surface with more parts hidden by hands or by the photograph's border only in two cases.
+  /// Either there is no other, or the other is far smaller: a frame that is printed on it.
   Result<FoundSheet> found_sheet(Photograph& photo) const {
     constexpr double kFarMore = 1.5, kMore = 1.2;
     auto found = find_sheet(photo);
@@ -159,7 +159,7 @@ class PhotoTemplate final : public TemplateBuilder {
     return in_hands ? in_hands : wrong(found.error().message);
   }
 
-  /// By the corners that are given, or found.
+  /// Uses the given corners, or finds them.
   Result<FoundSheet> sheet_in(Photograph& photo) const {
     if (corners_.empty()) return found_sheet(photo);
     Points2 points_px(4, 2);
@@ -236,7 +236,7 @@ class PhotoTemplate final : public TemplateBuilder {
     return sheet;
   }
 
-  /// What the lens bends stays as it is.
+  /// Keeps the distortion of the lens.
   static void set_focal_length(cameras::CameraFile& file, double focal_px) {
     const double ratio = focal_px / file.camera.fx;
     if (!file.coefficients.empty()) file.coefficients[0] *= ratio * ratio;
@@ -253,7 +253,7 @@ class PhotoTemplate final : public TemplateBuilder {
         guess.focal_px, 1000.0 * height_m, 100.0 * guess.ratio_error);
   }
 
-  /// As fine as the photograph shows the sheet where it is seen largest.
+  /// As fine as the photograph shows the surface where it appears largest.
   Result<cv::Size> texture_size(const Sheet& sheet) const {
     const Corners& p = sheet.corners_px;
     const double across_px = std::max((p[1] - p[0]).norm(), (p[2] - p[3]).norm());

@@ -44,7 +44,7 @@ Pinhole with_focal_length(Pinhole camera, double focal_px) {
   return camera;
 }
 
-/// By how much errors of half a pixel in each corner change the skew, squared.
+/// The variance of the skew that errors of half a pixel in each corner cause.
 double skew_variance(const Corners& corners_px, const Pinhole& camera, double skew_rad) {
   constexpr double kCornerError_px = 0.5, kLeast = 1e-12;
   double variance = kLeast;

@@ -95,7 +95,7 @@ TEST_F(FlatReference, SearchesCellsWithContrastWhereNoWordsAreGiven) {
   templ.texture = print_of(left, kSeed);
   photograph(templ.texture);
   const Registration made = measured(mesh(3.0), "{cell_mm: 20}");
-  // Without those that hold a block or two, which the print repeats.
+  // Without those that hold a block or two, which the texture repeats.
   ASSERT_GT(made.count(), 15);
   int away_from_border = 0, found = 0;
   for (std::int64_t i = 0; i < made.count(); ++i) {

@@ -14,7 +14,7 @@ std::string request_text(std::uint64_t number, const std::string& text) {
 
 class LiveChangeRequests : public LiveServer {
  protected:
-  /// As many as are asked for; a run asks again and again.
+  /// Waits for `count` requests; a run takes requests repeatedly.
   std::vector<ChangeRequest> taken(std::size_t count) {
     std::vector<ChangeRequest> all;
     wait_until([&] {
@@ -91,7 +91,7 @@ TEST_F(LiveChangeRequests, ForAPauseEndWhenTheLastClientThatMadeOneHasLeft) {
   run_channel_.answer({resume.number, 8, ""});
   EXPECT_EQ(watching.text(),
             json::parse(R"({"type":"pause","paused":false,"frame":8,"left":true})"));
-  // From then on nothing is paused, and who leaves resumes nothing.
+  // From then on nothing is paused, and a client that leaves resumes nothing.
   watching.say(request_text(1, "pause"));
   watching.say(request_text(2, "resume"));
   EXPECT_EQ(taken(2).size(), 2U);
@@ -153,7 +153,7 @@ TEST_F(LiveChangeRequests, OfClosedClientsAreNotAnswered) {
       return !requests.empty();
     });
   }
-  run_channel_.answer({999, 0, ""});  // that nobody asked
+  run_channel_.answer({999, 0, ""});  // that no client requested
   Viewer viewer(port_);
   EXPECT_EQ(viewer.text()["type"], "hello");
 }

@@ -65,7 +65,7 @@ TEST(LiveMessages, GreetWithCameraTemplateAndSettings) {
       numbers_of<std::int32_t>(from_base64(hello["template"]["faces"].get<std::string>()));
   ASSERT_EQ(faces.size(), 6U);
   EXPECT_EQ(faces[5], templ.faces(1, 2));
-  // The sheet ends where its texture ends.
+  // The surface ends where its texture ends.
   const auto places = numbers_of<float>(from_base64(hello["template"]["uv"].get<std::string>()));
   ASSERT_EQ(places.size(), 8U);
   EXPECT_FLOAT_EQ(*std::min_element(places.begin(), places.end()), 0.0F);

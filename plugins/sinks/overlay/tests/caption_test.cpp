@@ -18,7 +18,7 @@ class CaptionOfAFrame : public ::testing::Test {
     in_.image->stem = "009";
   }
 
-  /// Matches of which the first `kept` are kept.
+  /// Matches, the first `kept` marked as kept.
   static Correspondences matches(std::int64_t count, std::int64_t kept) {
     Correspondences matches;
     matches.template_px = Array<double>({count, 2}, 0.0);
@@ -108,7 +108,7 @@ TEST(Caption, MarksTheConfidenceOnItsScale) {
 }
 
 TEST(ConfidenceColour, IsDistinguishableWithoutRedAndGreen) {
-  // The amount of blue alone tells it.
+  // The amount of blue alone shows it.
   double before = -1.0;
   for (double confidence = 0.0; confidence <= 1.0; confidence += 0.125) {
     const double blue = colour_of_confidence(confidence)[0];

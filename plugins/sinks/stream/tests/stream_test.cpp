@@ -50,7 +50,7 @@ TEST_F(StreamSink, NamesWhatIsWrongWithItsDestination) {
   expect_refused("{to: stdout}", "and 'path' for a file, a named pipe or /dev/stdout");
   std::ofstream(path("file")) << "a file where a folder is needed";
   expect_refused("{path: '" + path("file/points") + "'}", "choose another 'path'");
-  // Of a block that is kept for documentation: no machine has it.
+  // From a block that is reserved for documentation: no machine has it.
   expect_refused("{to: 'tcp://192.0.2.1:5005'}", "choose one that it has");
 }
 

@@ -17,7 +17,7 @@ using testing::PluginUnderTest;
 
 constexpr double kPxPerMm = 820.0 / 600.0;
 
-/// The sheet seen flat and from the front at 0.6 m, and its layout.
+/// The paper seen flat and from the front at 0.6 m, and its layout.
 class FrontalSheet : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

@@ -37,7 +37,7 @@ void append(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary | std::ios::app) << bytes;
 }
 
-/// Another program, which does one step each time the source asks whether to go on.
+/// Simulates another program, which does one step each time the source checks for cancellation.
 class Recorder {
  public:
   using Steps = std::vector<std::function<void()>>;
@@ -99,7 +99,7 @@ class GrowingFolderSource : public ::testing::Test {
     EXPECT_EQ(count->frames, -1);
     EXPECT_EQ(count->live, 1);
   }
-  /// Of the frame's first pixel; -1 where there is no frame.
+  /// Blue value of the frame's first pixel; -1 where there is no frame.
   static int blue_of(PluginUnderTest& source, std::uint64_t frame) {
     const PluginAnswer answer = source.process(kRead, {}, frame);
     EXPECT_EQ(answer.status, WEFT_OK) << frame << ": " << answer.message;

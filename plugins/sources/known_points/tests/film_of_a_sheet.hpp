@@ -66,7 +66,7 @@ class Writer {
   int file_;
 };
 
-/// Ten tiny frames of a sheet, 0.1 s apart, with known points of a file or pipe.
+/// Ten tiny frames of a surface, at intervals of 0.1 s, with known points of a file or pipe.
 class Film {
  public:
   static constexpr int kOpen = 0, kCount = 1, kRead = 2;

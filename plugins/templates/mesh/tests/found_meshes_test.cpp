@@ -61,8 +61,8 @@ class FoundMeshes : public ::testing::Test {
 
 constexpr int kColumns = 14, kRows = 10;
 
-/// A sheet of 2 x kColumns x kRows triangles, each with three vertices of its own, all of whose
-/// numbers are off by up to `off` (vertices: of the diagonal).
+/// A surface of 2 x kColumns x kRows triangles, each with three separate vertices. All their
+/// numbers are off by up to `off` (vertices: share of the diagonal).
 std::string soup(double off, double off_uv, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> shift(-1.0, 1.0);

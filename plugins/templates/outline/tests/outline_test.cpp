@@ -149,7 +149,7 @@ TEST_F(OutlineTemplate, SaysThatAnObjectMayBeCutOff) {
 TEST_F(OutlineTemplate, RefusesAnObjectInSeveralParts) {
   cv::Mat photo = ellipse();
   for (int x = 120; x < 290; x += 12) {
-    for (int y = 100; y < 190; y += 12) {  // what is printed as light as the table
+    for (int y = 100; y < 190; y += 12) {  // parts that are printed as light as the table
       cv::rectangle(photo, {x, y, 9, 9}, cv::Scalar(238, 236, 240), cv::FILLED);
     }
   }

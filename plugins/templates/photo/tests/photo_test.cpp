@@ -45,7 +45,7 @@ double height_of(const Template& templ) {
   return heights.maxCoeff() - heights.minCoeff();
 }
 
-/// How alike two pictures are once both are 200 px wide and blurred: 1 for the same.
+/// The correlation of two images once both are 200 px wide and blurred: 1 for the same.
 double correlation(const cv::Mat& a, const cv::Mat& b) {
   const auto small = [](const cv::Mat& picture) {
     cv::Mat grey = picture, result;
@@ -178,7 +178,7 @@ TEST(PhotoTemplate, SaysWhichSideIsTheBorderOfThePhotograph) {
   EXPECT_NEAR(height_of(built(answer)) / seen_m, 1.0, 0.01);
 }
 
-/// A JPEG file that says in its EXIF data how it is to be turned.
+/// A JPEG file whose EXIF data specify an orientation.
 void write_turned_jpeg(const PhotoFolder& folder, const cv::Mat& picture, char orientation) {
   std::vector<std::uint8_t> jpeg;
   cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, 95});

@@ -102,7 +102,7 @@ TEST(FindSheet, FindsASheetInTwoHands) {
   }
 }
 
-/// Moved so that the right side of the sheet lies `beyond_px` to the right of the photograph's.
+/// Moved so that the right side of the surface lies `beyond_px` to the right of the photograph's.
 Still at_the_border(double beyond_px) {
   Still still = still_of(640, false);
   const Camera& camera = still.camera.camera;
