@@ -52,8 +52,8 @@ void blur_along(const Eigen::Vector2d& along_px, scene::Picture& picture);
 
 /// An opaque hand that reaches over the sheet from below and from the right, as a drawing over the
 /// image, as large as it must be to cover this share of the sheet's pixels (within 1 % of them).
-/// The image has its colours, `depth_m` 0 and `uv_px` NaN there. Vertices under it, seen at
-/// `vertices_px` [V,2], are invisible.
+/// The image has its colours, `depth_m` 0, `uv_px` NaN and hits of another mesh there. Vertices
+/// under it, seen at `vertices_px` [V,2], are invisible.
 void cover_by_hand(double share, bool is_grey, const Points2& vertices_px, scene::View& view);
 
 /// By what an automatic exposure multiplies the light: every five frames it steps to the next of
