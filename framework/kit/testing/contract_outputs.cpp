@@ -158,6 +158,11 @@ void check_outputs(const Subject& subject, const Case& given, const Answer& answ
       checks.expect(is_mask_of_image(given, *made),
                     "its region is no mask of the size of the image");
     }
+    if (const auto made = typed_in<ObjectMask>(record)) {
+      const Array<std::uint8_t>& pixels = scene.image.pixels;
+      checks.expect(made->known.dim(0) == pixels.dim(0) && made->known.dim(1) == pixels.dim(1),
+                    "its object_mask has another size than the image");
+    }
   }
 }
 

@@ -95,7 +95,7 @@ class WarpModel(Component):
 
 class Pass(Component):
     """`run(given)` answers a dict of records by output: sightlines, visibility,
-    region, registration."""
+    region, registration, object_mask."""
 
     role = "passes"
     methods = ("run",)

@@ -53,8 +53,8 @@ void blur_along(const Eigen::Vector2d& along_px, scene::Picture& picture);
 
 /// An opaque hand over the surface, which reaches into the image from below and from the right. It
 /// is as large as necessary to cover this share of the surface's pixels (within 1 % of them). The
-/// image has its colours, `depth_m` 0 and `uv_px` NaN there. Vertices under it, seen at
-/// `vertices_px` [V,2], are invisible.
+/// image has its colours, `depth_m` 0, `uv_px` NaN and hits of another mesh there. Vertices under
+/// it, seen at `vertices_px` [V,2], are invisible.
 void cover_by_hand(double share, bool is_grey, const Points2& vertices_px, scene::View& view);
 
 /// The factor of an automatic exposure on the light: every five frames it steps to the next of 1,

@@ -17,6 +17,7 @@
 #include "common/scene/sensor.hpp"
 #include "common/scene/sheet_renderer.hpp"
 #include "degradation.hpp"
+#include "exact_mask.hpp"
 #include "lamp.hpp"
 #include "rest_sheet.hpp"
 #include "settings.hpp"
@@ -58,7 +59,7 @@ class SheetSource : public Source {
   static constexpr About kAbout{
       .reference =
           "paper: Shetab-Bushehri et al., ROBUSfT (2023), section IV; XPBD: Macklin et al. 2016",
-      .produces = "image time ground_truth"};
+      .produces = "image time ground_truth object_mask"};
 
   void check(Mistakes& mistakes) const { settings_.check(mistakes); }
 
@@ -101,6 +102,7 @@ class SheetSource : public Source {
     frame.image = *std::move(image);
     frame.time = Time{static_cast<double>(index) / settings_.fps};
     frame.ground_truth = truth(**state, view);
+    if (settings_.mask) frame.object_mask = exact_mask(view);
     return frame;
   }
 

@@ -65,6 +65,7 @@ void Settings::read(Params& p) {
   p.read("blur_px", blur_px, "px", {0.0, 20.0}, "standard deviation of the lens blur");
   degradation.read(p);
   p.read("dense_truth", dense_truth, "depth and template point of each pixel in the ground truth");
+  p.read("mask", mask, "exact mask of the surface in each frame");
   std::int64_t seed = 1;
   p.read("seed", seed, "", {0, 9007199254740992.0},
          "seed of movement, light, background and noise, independent of the run's seed");

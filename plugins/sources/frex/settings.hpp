@@ -44,6 +44,7 @@ struct Settings {
   double blur_px = 0.5;
   DegradationSettings degradation;
   bool dense_truth = true;
+  bool mask = false;
 
   /// Declares or reads all of them.
   void read(Params& p);

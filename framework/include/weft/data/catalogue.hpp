@@ -21,9 +21,9 @@ template <class Visit>
 void for_each_record_type(Visit&& visit) {
   const auto each = [&]<class... RecordType>() { (visit(std::type_identity<RecordType>{}), ...); };
   each.template
-  operator()<Image, Time, Camera, Region, Template, Keypoints, Correspondences, Weights, InlierMask,
-             Warp, Points, WarpSamples, Sightlines, Visibility, KnownPoints, Shape, Registration,
-             GroundTruth, Count, FrameReport, RunSettings>();
+  operator()<Image, Time, Camera, Region, ObjectMask, Template, Keypoints, Correspondences, Weights,
+             InlierMask, Warp, Points, WarpSamples, Sightlines, Visibility, KnownPoints, Shape,
+             Registration, GroundTruth, Count, FrameReport, RunSettings>();
 }
 
 }  // namespace weft

@@ -57,4 +57,24 @@ struct Region {
   }
 };
 
+/// The pixels that show the object. Its outline is where the foreground, interpolated linearly
+/// between pixel centres, is 128. Next to an occluder the outline of the foreground is not that of
+/// the object: such pixels are unknown.
+struct ObjectMask {
+  static constexpr const char* kType = "object_mask/1";
+  Array<std::uint8_t> foreground;  ///< [H,W] certainty, 0 background to 255 object
+  Array<std::uint8_t> known;       ///< [H,W] 0 where the foreground says nothing, else 1
+  Diagnostics diag;
+  Others others = {};  ///< further arrays of the record
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit(self.foreground, Field{"foreground", "H,W", "0 to 255",
+                                 "certainty that the pixel shows the object; 128 on its outline"});
+    visit(self.known,
+          Field{"known", "H,W", "0 or 1", "0 where that is not known, as next to occluders"});
+    visit(self.diag, Field{"diag.*", "*", "", "evidence", true});
+  }
+};
+
 }  // namespace weft

@@ -19,6 +19,7 @@ struct SolverInput {
   OptionalInput<Image> image{};
   OptionalInput<Visibility> visibility{};
   OptionalInput<KnownPoints> known_points{};
+  OptionalInput<ObjectMask> object_mask{};
   OptionalInput<Shape> previous_shape{};  ///< may be `lost`: check its state
 
   template <class Self, class Visit>
@@ -31,6 +32,7 @@ struct SolverInput {
     visit("image", self.image);
     visit("visibility", self.visibility);
     visit("known_points", self.known_points);
+    visit("object_mask", self.object_mask);
     visit("previous.shape", self.previous_shape);
   }
 };
@@ -139,6 +141,7 @@ struct SolverComponent : ComponentHandle {
     std::optional<RecordView<Image>> image;
     std::optional<RecordView<Visibility>> visibility;
     std::optional<RecordView<KnownPoints>> known_points;
+    std::optional<RecordView<ObjectMask>> object_mask;
     std::optional<RecordView<Shape>> previous;
     const auto add = [&inputs](auto& view, const char* slot, const auto& typed) {
       if (typed) inputs.push_back(view.emplace(slot, *typed).raw());
@@ -149,6 +152,7 @@ struct SolverComponent : ComponentHandle {
     add(image, "image", in.image);
     add(visibility, "visibility", in.visibility);
     add(known_points, "known_points", in.known_points);
+    add(object_mask, "object_mask", in.object_mask);
     add(previous, "previous.shape", in.previous_shape);
     return detail::invoke<Shape>(in.call, handle, 0, inputs);
   }

@@ -17,6 +17,7 @@ struct PassInput {
   OptionalInput<Correspondences> correspondences{};
   OptionalInput<Shape> shape{};
   OptionalInput<Visibility> visibility{};
+  OptionalInput<ObjectMask> object_mask{};
   OptionalInput<Shape> previous_shape{};
   OptionalInput<Visibility> previous_visibility{};
 
@@ -30,6 +31,7 @@ struct PassInput {
     visit("correspondences", self.correspondences);
     visit("shape", self.shape);
     visit("visibility", self.visibility);
+    visit("object_mask", self.object_mask);
     visit("previous.shape", self.previous_shape);
     visit("previous.visibility", self.previous_visibility);
   }
@@ -41,6 +43,7 @@ struct PassOutput {
   std::optional<Visibility> visibility{};      ///< visible vertices
   std::optional<Region> region{};              ///< usable part of the image
   std::optional<Registration> registration{};  ///< displacements of texture patches
+  std::optional<ObjectMask> object_mask{};     ///< pixels that show the object
 };
 
 /// Role `passes`: prepares data for the solver from the data of the frame, or measures its result.
@@ -55,7 +58,8 @@ class Pass : public Prepared {
             {role_method<PassInput>("run", {output_slot<Sightlines>("sightlines", false),
                                             output_slot<Visibility>("visibility", false),
                                             output_slot<Region>("region", false),
-                                            output_slot<Registration>("registration", false)})}};
+                                            output_slot<Registration>("registration", false),
+                                            output_slot<ObjectMask>("object_mask", false)})}};
   }
 
   std::int32_t process(ProcessCall& call) {
@@ -67,6 +71,9 @@ class Pass : public Prepared {
                                       if (status) status = call.write("region", out.region);
                                       if (status) {
                                         status = call.write("registration", out.registration);
+                                      }
+                                      if (status) {
+                                        status = call.write("object_mask", out.object_mask);
                                       }
                                       return status;
                                     });

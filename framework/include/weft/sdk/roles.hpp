@@ -17,7 +17,7 @@ namespace weft {
 /// and outputs of every use; see docs/records.md.
 ///   sources open: -> camera*
 ///   sources count: -> count*
-///   sources read: -> image, time, known_points, ground_truth, correspondences, region
+///   sources read: -> image, time, known_points, ground_truth, correspondences, region, object_mask
 ///   templates build: -> template*
 ///   detectors detect: image*, region -> keypoints*
 ///   matchers match: keypoints, template_keypoints, correspondences, image, template, camera,
@@ -27,9 +27,10 @@ namespace weft {
 ///   warps fit: correspondences*, template*, weights -> warp*
 ///   warps evaluate: warp*, points* -> warp_samples*
 ///   passes run: template*, camera*, image, warp, warp_samples, correspondences, shape, visibility,
-///       previous.shape, previous.visibility -> sightlines, visibility, region, registration
+///       object_mask, previous.shape, previous.visibility -> sightlines, visibility, region,
+///       registration, object_mask
 ///   solvers solve: template*, camera*, sightlines, correspondences, warp, image, visibility,
-///       known_points, previous.shape -> shape*
+///       known_points, object_mask, previous.shape -> shape*
 ///   sinks write: image, camera, time, template, keypoints, correspondences, warp, warp_samples,
 ///       sightlines, visibility, shape, ground_truth, frame_report, run_settings
 inline std::vector<Role> all_roles() {

@@ -15,6 +15,7 @@ struct SourceFrame {
   std::optional<GroundTruth> ground_truth{};         ///< true positions
   std::optional<Correspondences> correspondences{};  ///< matches with the template
   std::optional<Region> region{};                    ///< usable part of the image
+  std::optional<ObjectMask> object_mask{};           ///< pixels that show the object
 };
 
 /// Role `sources`: frames, their camera and, if known, the ground truth. Sources undistort the
@@ -46,7 +47,8 @@ class Source {
                           output_slot<KnownPoints>("known_points", false),
                           output_slot<GroundTruth>("ground_truth", false),
                           output_slot<Correspondences>("correspondences", false),
-                          output_slot<Region>("region", false)})}};
+                          output_slot<Region>("region", false),
+                          output_slot<ObjectMask>("object_mask", false)})}};
   }
 
   std::int32_t process(ProcessCall& call) {
@@ -68,6 +70,7 @@ class Source {
       if (status) status = call.write("ground_truth", frame.ground_truth);
       if (status) status = call.write("correspondences", frame.correspondences);
       if (status) status = call.write("region", frame.region);
+      if (status) status = call.write("object_mask", frame.object_mask);
       return status;
     });
   }
@@ -96,6 +99,7 @@ struct SourceComponent : ComponentHandle {
     if (status) status = take(*answer, frame.ground_truth);
     if (status) status = take(*answer, frame.correspondences);
     if (status) status = take(*answer, frame.region);
+    if (status) status = take(*answer, frame.object_mask);
     if (!status) return status.error();
     if (!answer->degenerate_reason.empty()) return degenerate(frame, answer->degenerate_reason);
     return frame;
