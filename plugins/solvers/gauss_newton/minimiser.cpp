@@ -52,6 +52,7 @@ MinimiserResult Minimiser::run(const FrameData& frame, const Expectation& expect
     if (moved) {
       // Chords that are as short as all of a ripple asks for make the opposite one.
       energy_.follow(vertices_m, result.iterations == 0 ? 1.0 : kFollowed);
+      energy_.meet_outline(frame, scales, vertices_m);
       result.energy = energy_.linearise(frame, expected, scales, vertices_m, gradient_, matrix_);
       if (!std::isfinite(result.energy)) {
         result.stop = Stop::not_finite;
