@@ -74,10 +74,10 @@ class Mixture {
 /// Mean over both classes alike of sqrt(p q) / ((p + q) / 2), which is the integral of sqrt(p q).
 double overlap_of(const Mixture& object, const Mixture& background, const cv::Mat& bgr,
                   const cv::Mat& labels) {
-  constexpr int kEveryNth = 3;
+  constexpr int kStride = 3;
   std::array<double, 2> sum{}, count{};
-  for (int y = 0; y < bgr.rows; y += kEveryNth) {
-    for (int x = 0; x < bgr.cols; x += kEveryNth) {
+  for (int y = 0; y < bgr.rows; y += kStride) {
+    for (int x = 0; x < bgr.cols; x += kStride) {
       const cv::Vec3b& pixel = bgr.at<cv::Vec3b>(y, x);
       const Eigen::Vector3d at(pixel[0], pixel[1], pixel[2]);
       const double p = object.density(at), q = background.density(at);

@@ -16,7 +16,7 @@ constexpr double kApproachBendRad = 0.1, kRigidBendRad = 0.02;
 constexpr int kApproachIterations = 10;
 constexpr double kApproachTolerance = 100.0;  // times that of the last steps
 constexpr std::size_t kMostSeenBends = 256;
-constexpr std::size_t kFewObservations = 30;  // with fewer the outline counts from the beginning
+constexpr std::size_t kFewBesideOutline = 30;  // with fewer the outline counts from the beginning
 constexpr double kFarReach = 2.0;             // times the reach of the outline, at first
 
 /// Brings known points into their spheres, by the least motion of their corners.
@@ -72,7 +72,7 @@ void ShapeSearch::run(const Frame& frame, Candidate& candidate) {
         minimiser_.run(frame.data, expected_, with, approach, vertices_m).iterations;
   };
   Scales soft = stage;
-  soft.outline.share = frame.data.observations.size() < kFewObservations ? 1.0 : 0.0;
+  soft.outline.share = frame.data.observations.size() < kFewBesideOutline ? 1.0 : 0.0;
   soft.outline.reach_px *= kFarReach;
   soft.strain *= kSoft;
   soft.pair_strain *= kSoft;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "outline/mask_outline.hpp"
+#include "mask_outline.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "outline/outline_start.hpp"
+#include "outline_start.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>

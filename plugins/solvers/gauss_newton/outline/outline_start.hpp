@@ -6,7 +6,7 @@
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "mesh/mesh_model.hpp"
+#include "gauss_newton/mesh/mesh_model.hpp"
 
 namespace weft::gauss_newton {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "outline/outline_term.hpp"
+#include "outline_term.hpp"
 
 #include <limits>
 #include <weft/core/stop_check.hpp>
@@ -8,7 +8,7 @@ namespace weft::gauss_newton {
 namespace {
 
 constexpr double kContourShare = 0.5;
-constexpr double kSameDirection = 0.7071;  // cosine
+constexpr double kAlike = 0.7071;  // cosine
 constexpr double kReachPerLimit = 1.25;
 
 }  // namespace
@@ -53,7 +53,7 @@ void OutlineTerm::meet_contour(const MaskOutline& outline, double reach_px,
     std::size_t found = rim.size();
     for (std::size_t b = 0; b < rim.size(); ++b) {
       const double distance2 = (rim_px_[b] - seen.place_px).squaredNorm();
-      if (distance2 > nearest2 || rim[b].outwards.dot(seen.outwards) < kSameDirection) continue;
+      if (distance2 > nearest2 || rim[b].outwards.dot(seen.outwards) < kAlike) continue;
       nearest2 = distance2;
       found = b;
     }

@@ -9,8 +9,8 @@
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "outline/mask_outline.hpp"
-#include "outline/rim.hpp"
+#include "mask_outline.hpp"
+#include "rim.hpp"
 
 namespace weft::gauss_newton {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "outline/rim.hpp"
+#include "rim.hpp"
 
 #include <algorithm>
 #include <cmath>
