@@ -70,6 +70,11 @@ bool ShapeCovariance::compute(const FrameData& frame, const Scales& scales,
   for (auto* blocks : {&matrix_.diagonal, &matrix_.coupling}) {
     for (Eigen::Matrix3d& block : *blocks) block *= trust;
   }
+  if (frame.outline.present()) {
+    Scales weighted = scales;
+    weighted.outline.noise_px *= noise.outline;
+    energy.add_outline(frame, weighted, vertices_m, matrix_);
+  }
   add_edges(seen, vertices_m, noise);
   add_bends(seen, vertices_m, noise);
   add_known(frame);

@@ -16,6 +16,7 @@ namespace weft::gauss_newton {
 /// Standard deviations of what holds a shape in place.
 struct HoldingNoise {
   double observed = 1.0;       ///< [] of an observation, in units of what the energy takes it for
+  double outline = 1.0;        ///< [] of an outline point, likewise
   double strain = 0.0;         ///< [] of an edge between seen vertices
   double bend_rad = 0.0;       ///< [] rad, of the angle across an edge
   double common_strain = 0.0;  ///< [] of a strain that all edges share; 0: there is none
@@ -45,6 +46,7 @@ HoldingNoise holding_noise(const ShapeSigns& signs);
 /// The uncertainty of each vertex of a solved shape: the diagonal blocks [3,3] of H^-1. H is the
 /// Gauss-Newton matrix, at the solution, in the vertices X and a strain e that all edges share, of
 ///     sum_i rho(|pi(p_i(X)) - u_i| / sigma_i) / observed^2              observations
+///   + sum_b w_b rho(n_b . (pi(p_b(X)) - y_b) / sigma) / outline^2     outline, if there is one
 ///   + sum_edges (|d| / l0 - 1 - e)^2 / strain^2 + e^2 / common_strain^2
 ///   + sum_hinges (angle)^2 / bend_rad^2                               bends
 ///   + sum_p |X(p) - p|^2 / radius_p^2 + sum_v |X_v - x_v|^2 / (0.3 m)^2   known points, and a

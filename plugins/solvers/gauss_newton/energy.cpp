@@ -8,6 +8,7 @@
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
+#include "face_sums.hpp"
 #include "terms.hpp"
 
 namespace weft::gauss_newton {
@@ -15,6 +16,8 @@ namespace {
 
 constexpr double kMostTurn = 1.0;  // rad, along an arc: the formulas are for smaller ones
 constexpr double kTooClose_m = 1e-9;
+constexpr std::size_t kEnoughObservations = 30;  // with fewer the outline has its full weight
+constexpr double kMostTrace = 0.5;               // of the outline's matrix to that of the matches
 
 double squared_turn(const Arc& arc, double per_m) {
   const double turn = std::clamp(per_m * arc.rest_m, -kMostTurn, kMostTurn);
@@ -26,42 +29,6 @@ double chord_m(const Arc& arc, double per_m) {
   return arc.rest_m * (1.0 + (squared_turn(arc, arc.rest_per_m) - squared_turn(arc, per_m)) / 24.0);
 }
 
-/// Sums over the observations of a face.
-struct FaceSums {
-  /// Sums of J^T J: xx, xy, yy, xz, yz and zz for the products of weights 00, 11, 22, 01, 12, 20.
-  double squares[6][6] = {};
-  double slopes[3][3] = {};  ///< sums of J^T r for each weight
-
-  /// The point is seen at (px, py) where f = 1; `j` is d(whitened residual)/d(px, py), lower.
-  void add(const double* b, double inverse_z, double px, double py, const Whitening& j,
-           double weight, double rx, double ry) {
-    const double ax = j.xx * inverse_z, bx = j.yx * inverse_z, by = j.yy * inverse_z;
-    const double az = -ax * px, bz = -(bx * px + by * py);
-    const double block[6] = {
-        weight * (ax * ax + bx * bx), weight * bx * by, weight * by * by,
-        weight * (ax * az + bx * bz), weight * by * bz, weight * (az * az + bz * bz)};
-    const double products[6] = {b[0] * b[0], b[1] * b[1], b[2] * b[2],
-                                b[0] * b[1], b[1] * b[2], b[2] * b[0]};
-    for (std::size_t k = 0; k < 6; ++k) {
-      for (std::size_t i = 0; i < 6; ++i) squares[k][i] += products[k] * block[i];
-    }
-    const double gx = weight * (ax * rx + bx * ry), gy = weight * by * ry;
-    const double gz = -(gx * px + gy * py);
-    for (std::size_t k = 0; k < 3; ++k) {
-      slopes[k][0] += b[k] * gx;
-      slopes[k][1] += b[k] * gy;
-      slopes[k][2] += b[k] * gz;
-    }
-  }
-
-  Eigen::Matrix3d block(std::size_t k) const {
-    const double* s = squares[k];
-    Eigen::Matrix3d result;
-    result << s[0], s[1], s[3], s[1], s[2], s[4], s[3], s[4], s[5];
-    return result;
-  }
-};
-
 }  // namespace
 
 void Energy::prepare(const MeshModel& mesh) {
@@ -70,6 +37,7 @@ void Energy::prepare(const MeshModel& mesh) {
   fronts_.resize(mesh.faces.rows(), 3);
   angles_rad_.resize(mesh.hinges.size());
   edge_chords_m_.resize(mesh.edges.size());
+  outline_.prepare(mesh);
   rises_m_.resize(mesh.edges.size());
   pair_chords_m_.resize(mesh.pairs.size());
 }
@@ -143,19 +111,74 @@ double Energy::observed(const FrameData& frame, const Trust& trust, const Points
         sums.add(b, inverse_z, px, py, slopes, weight, rx, ry);
       }
     }
-    if constexpr (wants_derivatives) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto corner = static_cast<Eigen::Index>(k);
-        const std::int32_t v = mesh_->faces(seen.face, corner);
-        to.matrix->diagonal[to_index(v)] += sums.block(k);
-        const Arc& edge = mesh_->edges[to_index(mesh_->face_arcs(seen.face, corner))];
-        to.matrix->coupling[to_index(edge.coupling)] += sums.block(3 + k);
-        if (to.gradient == nullptr) continue;
-        to.gradient->row(v) += Eigen::Map<const Eigen::RowVector3d>(sums.slopes[k]);
-      }
-    }
+    if constexpr (wants_derivatives) add_sums(sums, seen.face, to);
   }
   return energy;
+}
+
+void Energy::meet_outline(const FrameData& frame, const Scales& scales, const Points3& vertices_m) {
+  if (!frame.outline.present()) return;
+  const auto on_surface = [&](std::int32_t face, const std::array<double, 3>& weights) {
+    return surface_point_m(vertices_m, face, weights);
+  };
+  outline_.meet(frame.outline, frame.camera, scales.outline, vertices_m, frame.covered, on_surface);
+  outline_.share = scales.outline.share;
+  if (frame.observations.size() < kEnoughObservations) return;
+  BlockMatrix& matrix = outline_matrix_;
+  const auto trace_of = [&](auto&& add) {
+    matrix.diagonal.assign(to_index(vertices_m.rows()), Eigen::Matrix3d::Zero());
+    matrix.coupling.assign(mesh_->couplings.size(), Eigen::Matrix3d::Zero());
+    add();
+    double trace = 0.0;
+    for (const Eigen::Matrix3d& block : matrix.diagonal) trace += block.trace();
+    return trace;
+  };
+  const double of_matches = trace_of([&] {
+    observed<true>(frame, scales.trust, vertices_m, {nullptr, &matrix});
+  });
+  const double of_outline = trace_of([&] {
+    outlined<true>(frame, scales, vertices_m, {nullptr, &matrix});
+  });
+  if (of_outline > kMostTrace * of_matches) outline_.share *= kMostTrace * of_matches / of_outline;
+}
+
+template <bool wants_derivatives>
+double Energy::outlined(const FrameData& frame, const Scales& scales, const Points3& vertices_m,
+                        const Derivatives& to) const {
+  const Pinhole camera = frame.camera;
+  const double per_px = 1.0 / scales.outline.noise_px;
+  double energy = outline_.missed();
+  for (const OutlinePoint& o : outline_.points()) {
+    const Eigen::Vector3d p = surface_point_m(vertices_m, o.face, o.weights);
+    if (!(p.z() > 0.0)) return std::numeric_limits<double>::infinity();
+    const double inverse_z = 1.0 / p.z(), px = p.x() * inverse_z, py = p.y() * inverse_z;
+    const Eigen::Vector2d seen_px(camera.fx * px + camera.cx, camera.fy * py + camera.cy);
+    const double r = per_px * (o.normal.dot(seen_px) - o.offset_px);
+    double own = 0.0;
+    const double weight = outline_.share * o.share * outline_.loss().weight(r, own);
+    energy += o.share * own;
+    if constexpr (wants_derivatives) {
+      // Only across the line: the second of the two whitened residuals.
+      const Whitening slopes{0.0, per_px * camera.fx * o.normal.x(),
+                             per_px * camera.fy * o.normal.y()};
+      FaceSums sums;
+      sums.add(o.weights.data(), inverse_z, px, py, slopes, weight, 0.0, r);
+      add_sums(sums, o.face, to);
+    }
+  }
+  return outline_.share * energy;
+}
+
+void Energy::add_sums(const FaceSums& sums, std::int32_t face, const Derivatives& to) const {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto corner = static_cast<Eigen::Index>(k);
+    const std::int32_t v = mesh_->faces(face, corner);
+    to.matrix->diagonal[to_index(v)] += sums.block(k);
+    const Arc& edge = mesh_->edges[to_index(mesh_->face_arcs(face, corner))];
+    to.matrix->coupling[to_index(edge.coupling)] += sums.block(3 + k);
+    if (to.gradient == nullptr) continue;
+    to.gradient->row(v) += Eigen::Map<const Eigen::RowVector3d>(sums.slopes[k]);
+  }
 }
 
 template <bool wants_derivatives>
@@ -249,6 +272,7 @@ double Energy::sum(const FrameData& frame, const Expectation& expected, const Sc
     energy += bent<d>(expected.bends_rad, scales.bend_rad, vertices_m, to);
   }
   energy += known_energy<d>(frame, scales.known_m, vertices_m, to);
+  if (frame.outline.present()) energy += outlined<d>(frame, scales, vertices_m, to);
   if (!(scales.previous_m > 0.0)) return energy;
   const double per_m2 = 1.0 / (scales.previous_m * scales.previous_m);
   energy += per_m2 * (vertices_m - expected.previous_m).squaredNorm();
@@ -274,6 +298,11 @@ double Energy::linearise(const FrameData& frame, const Expectation& expected, co
 void Energy::add_observations(const FrameData& frame, const Scales& scales,
                               const Points3& vertices_m, BlockMatrix& matrix) {
   observed<true>(frame, scales.trust, vertices_m, {nullptr, &matrix});
+}
+
+void Energy::add_outline(const FrameData& frame, const Scales& scales, const Points3& vertices_m,
+                         BlockMatrix& matrix) const {
+  if (frame.outline.present()) outlined<true>(frame, scales, vertices_m, {nullptr, &matrix});
 }
 
 }  // namespace weft::gauss_newton

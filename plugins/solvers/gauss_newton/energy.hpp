@@ -14,6 +14,8 @@
 
 #include "common/cholesky/block_cholesky.hpp"
 #include "mesh/mesh_model.hpp"
+#include "outline/mask_outline.hpp"
+#include "outline/outline_term.hpp"
 
 namespace weft::gauss_newton {
 
@@ -58,6 +60,8 @@ struct FrameData {
   std::vector<Observation> observations;
   std::vector<SeenFace> faces;  ///< ascending
   std::vector<KnownSurfacePoint> spheres;
+  MaskOutline outline;                ///< absent without a mask
+  std::vector<std::uint8_t> covered;  ///< [V] 1 for vertices that something hides; or empty
 };
 
 /// The energy of an observation with a residual of r standard deviations: r^2 where r is small.
@@ -94,6 +98,7 @@ struct Scales {
   double bend_rad = 0.7;  ///< [] rad, of a square of the mesh that bends, whatever its size; 0: any
   double known_m = 1e-5;  ///< [] m, of a known point beyond its radius
   double previous_m = 0.0;  ///< [] m, of a vertex from where it was; 0: any
+  OutlineScales outline;    ///< of the rim from the outline of the mask
 };
 
 /// The prior of a shape.
@@ -102,13 +107,16 @@ struct Expectation {
   Points3 previous_m;             ///< [V,3] m, read where Scales::previous_m is not 0
 };
 
+struct FaceSums;
+
 /// The sum of squares that a shape X minimises,
 ///   sum_i rho(|W_i (pi(p_i(X)) - u_i)|)                             observations, rho of Trust
 ///   + sum_edges ((|d| - c) / (strain l0))^2                         lengths of edges
 ///   + sum_pairs ((|d| - c) / (pair_strain l0))^2                    and of opposite vertices
 ///   + sum_hinges w ((angle - expected) / bend_rad)^2 / 3            bends
 ///   + sum_p ((|X(p) - p| - radius_p)+ / known_m)^2                  known points
-///   + sum_v |X_v - previous_v|^2 / previous_m^2.
+///   + sum_v |X_v - previous_v|^2 / previous_m^2
+///   + the sum of OutlineTerm                                        outline of a mask.
 /// The vertices lie on a smooth surface: edges are its chords, and faces cut off a rise. With the
 /// curvature k of the surface along an arc that is s long, its chord is c = s (1 - k^2 s^2 / 24).
 /// Over the point with the weights b the surface rises by sum_(i<j) b_i b_j k_ij s_ij^2 / 2 against
@@ -135,6 +143,15 @@ class Energy {
   void add_observations(const FrameData& frame, const Scales& scales, const Points3& vertices_m,
                         BlockMatrix& matrix);
 
+  /// Finds which points of the rim of a shape [V,3] and of the mask's outline meet. With 30
+  /// observations or more, the trace of the outline's matrix is at most half that of theirs.
+  void meet_outline(const FrameData& frame, const Scales& scales, const Points3& vertices_m);
+
+  /// Adds the Gauss-Newton matrix of the outline alone, as it was met last.
+  void add_outline(const FrameData& frame, const Scales& scales, const Points3& vertices_m,
+                   BlockMatrix& matrix) const;
+  const OutlineTerm& outline() const { return outline_; }
+
   /// Where the surface is seen over a point of a face.
   Eigen::Vector3d surface_point_m(const Points3& vertices_m, std::int32_t face,
                                   const std::array<double, 3>& weights) const;
@@ -149,6 +166,10 @@ class Energy {
   template <bool wants_derivatives>
   double observed(const FrameData& frame, const Trust& trust, const Points3& vertices_m,
                   const Derivatives& to) const;
+  template <bool wants_derivatives>
+  double outlined(const FrameData& frame, const Scales& scales, const Points3& vertices_m,
+                  const Derivatives& to) const;
+  void add_sums(const FaceSums& sums, std::int32_t face, const Derivatives& to) const;
   template <bool wants_derivatives>
   double stretched(const std::vector<Arc>& arcs, const std::vector<double>& chords_m, double strain,
                    const Points3& vertices_m, const Derivatives& to) const;
@@ -168,6 +189,8 @@ class Energy {
   std::vector<double> edge_chords_m_, pair_chords_m_;
   std::vector<double> rises_m_;  ///< rises of the edges, k s^2 / 2
   Points3 fronts_;               ///< [F,3] unit normals, of the shape that is followed
+  OutlineTerm outline_;
+  BlockMatrix outline_matrix_;  ///< for traces
 };
 
 }  // namespace weft::gauss_newton

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kFarPx = 3.0;
 constexpr int kFewestAround = 4;
+constexpr double kFarAway = 1e6;  // px
 
 /// The point of a face, taken for flat.
 Eigen::Vector3d flat_point_m(const MeshModel& mesh, std::int32_t face, const Observation& seen,
@@ -61,6 +62,19 @@ Fit FitGauge::measure(const MeshModel& mesh, const FrameData& frame, const Energ
   fit.coherence = coherence(mesh, frame);
   fit.residual_px = median_in_place(first_);
   fit.residual = median_in_place(second_);
+  measure_lengths(mesh, vertices_m, fit);
+  double back = 0.0;
+  for (const SeenFace& seen : frame.faces) {
+    const Eigen::Vector3d a = vertices_m.row(mesh.faces(seen.face, 0)),
+                          b = vertices_m.row(mesh.faces(seen.face, 1)),
+                          c = vertices_m.row(mesh.faces(seen.face, 2));
+    if (!((b - a).cross(c - a).dot(a) < 0.0)) back += 1.0;
+  }
+  fit.back_share = back / static_cast<double>(frame.faces.size());
+  return fit;
+}
+
+void FitGauge::measure_lengths(const MeshModel& mesh, const Points3& vertices_m, Fit& fit) {
   first_.clear();
   for (const Arc& edge : mesh.edges) {
     const double length_m = (vertices_m.row(edge.i) - vertices_m.row(edge.j)).norm();
@@ -70,14 +84,29 @@ Fit FitGauge::measure(const MeshModel& mesh, const FrameData& frame, const Energ
   const auto rank = first_.begin() + static_cast<std::ptrdiff_t>(first_.size() * 19 / 20);
   std::nth_element(first_.begin(), rank, first_.end());
   fit.crease = *rank;
+}
+
+Fit FitGauge::measure_outline(const MeshModel& mesh, const FrameData& frame, double noise_px,
+                              const Energy& energy, const Points3& vertices_m) {
+  Fit fit;
+  first_.clear();
+  for (const OutlinePoint& point : energy.outline().points()) {
+    const Eigen::Vector2d shown_px =
+        project(frame.camera, energy.surface_point_m(vertices_m, point.face, point.weights));
+    first_.push_back(std::abs(point.normal.dot(shown_px) - point.offset_px));
+  }
+  fit.residual_px = first_.empty() ? kFarAway : finite_or_far(median_in_place(first_));
+  fit.residual = fit.residual_px / noise_px;
+  fit.far_share = 1.0 - energy.outline().met_share();
+  measure_lengths(mesh, vertices_m, fit);
   double back = 0.0;
-  for (const SeenFace& seen : frame.faces) {
-    const Eigen::Vector3d a = vertices_m.row(mesh.faces(seen.face, 0)),
-                          b = vertices_m.row(mesh.faces(seen.face, 1)),
-                          c = vertices_m.row(mesh.faces(seen.face, 2));
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    const Eigen::Vector3d a = vertices_m.row(mesh.faces(f, 0)),
+                          b = vertices_m.row(mesh.faces(f, 1)),
+                          c = vertices_m.row(mesh.faces(f, 2));
     if (!((b - a).cross(c - a).dot(a) < 0.0)) back += 1.0;
   }
-  fit.back_share = back / static_cast<double>(frame.faces.size());
+  fit.back_share = back / static_cast<double>(mesh.faces.rows());
   return fit;
 }
 

@@ -33,6 +33,10 @@ class FitGauge {
   Fit measure(const MeshModel& mesh, const FrameData& frame, const Energy& energy,
               const Points3& vertices_m);
 
+  /// The same where nothing but the outline is seen, as it was met last.
+  Fit measure_outline(const MeshModel& mesh, const FrameData& frame, double noise_px,
+                      const Energy& energy, const Points3& vertices_m);
+
   /// How far a shape is from where the observations are, its faces taken for flat.
   solvers::ImageMotion motion(const MeshModel& mesh, const FrameData& frame,
                               const Points3& vertices_m);
@@ -41,6 +45,7 @@ class FitGauge {
   bool is_behind(const MeshModel& mesh, const FrameData& frame, const Points3& vertices_m);
 
  private:
+  void measure_lengths(const MeshModel& mesh, const Points3& vertices_m, Fit& fit);
   double far_around(const MeshModel& mesh, const FrameData& frame);
   double coherence(const MeshModel& mesh, const FrameData& frame);
 

@@ -25,9 +25,46 @@ Result<void> check_match_count(const SolverInput& in) {
                    std::to_string(kFewestMatches));
 }
 
+/// Where the record says so, and not because the camera sees nothing that was matched there.
+std::vector<std::uint8_t> covered_vertices(const Visibility& visibility) {
+  std::vector<std::uint8_t> covered(to_index(visibility.visible.rows()));
+  for (std::int64_t v = 0; v < visibility.visible.rows(); ++v) {
+    const SightReason reason = visibility.why(v);
+    covered[to_index(v)] = reason == SightReason::hidden || reason == SightReason::outside ? 1 : 0;
+  }
+  return covered;
+}
+
 }  // namespace
 
+Result<void> Frame::read_mask(const SolverInput& in, const MeshModel& mesh) {
+  data.outline.clear();
+  data.covered.clear();
+  if (!in.object_mask) return {};
+  if (in.visibility && in.visibility->visible.rows() == mesh.vertex_count()) {
+    data.covered = covered_vertices(*in.visibility);
+  }
+  return data.outline.read(*in.object_mask, in.camera);
+}
+
 Result<void> Frame::read(const SolverInput& in, const MeshModel& mesh) {
+  is_outline_alone = false;
+  if (auto read = read_mask(in, mesh); !read) return read;
+  Result<void> read = read_observations(in, mesh);
+  const bool is_alone =
+      !read && (read.error().code == Errc::no_result || (!in.correspondences && !in.sightlines));
+  if (!is_alone || !options.outline_alone || !data.outline.present()) return read;
+  data.observations.clear();
+  data.faces.clear();
+  data.spheres.clear();
+  observed.assign(to_index(mesh.vertex_count()), 0);
+  hidden.clear();
+  inconsistent_pairs = 0;
+  is_outline_alone = true;
+  return {};
+}
+
+Result<void> Frame::read_observations(const SolverInput& in, const MeshModel& mesh) {
   if (auto read = reader_.read(in, mesh, options.seen, data); !read) return read;
   if (data.observations.size() < to_index(options.min_sightlines)) {
     return no_result("too few points seen: " + std::to_string(data.observations.size()) +

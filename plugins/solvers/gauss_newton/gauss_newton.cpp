@@ -18,6 +18,7 @@
 #include "fit.hpp"
 #include "frame.hpp"
 #include "frontal_guess.hpp"
+#include "outline/outline_start.hpp"
 #include "search.hpp"
 
 namespace weft::gauss_newton {
@@ -29,6 +30,8 @@ using solvers::Guess;
 constexpr double kLostResidualPx = 6.0;
 // Below this number, matches do not always determine to which side a surface bends.
 constexpr std::size_t kFewObservations = 150;
+// So many neighbouring points of an outline err together.
+constexpr double kOutlineCoherence = 8.0;
 
 /// Robust nonlinear least squares on the vertices: matches against lengths along the surface.
 class GaussNewton final : public Solver, private solvers::GuessTrial {
@@ -38,7 +41,7 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
           "own: Collins, Bartoli, Realtime Shape-from-Template, ISMAR (2015); George, Nested "
           "dissection of a regular finite element mesh, SIAM Journal on Numerical Analysis 10 "
           "(1973)",
-      .reads = "correspondences sightlines previous.shape known_points visibility"};
+      .reads = "correspondences sightlines previous.shape known_points visibility object_mask"};
 
   explicit GaussNewton(Params& p) {
     search_.scales.trust = {3.0, true};
@@ -93,6 +96,17 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
            "relative standard deviation of the template's size and of the focal length, for the "
            "covariance");
     p.read("covariance", wants_covariance_, "covariance of each vertex in the result");
+    OutlineScales& outline = search_.scales.outline;
+    p.read("outline_noise_px", outline.noise_px, "px", {1e-2, 100.0},
+           "standard deviation of a point of the mask's outline, across the outline");
+    p.read("outline_outlier_px", outline.outlier_px, "px", {0.1, 1000.0},
+           "distance between mesh border and outline from which on it has no influence");
+    p.read("outline_reach_px", outline.reach_px, "px", {1.0, 1000.0},
+           "distance within which the mesh border looks for the outline in the first iterations");
+    p.read("outline_weight", outline.share, "", {0.0, 1000.0},
+           "factor on the weight of the outline; 0: no such term");
+    p.read("outline_alone", frame.outline_alone,
+           "shape from the outline alone in frames with too few matches");
   }
 
   Result<Shape> solve(const SolverInput& in) override {
@@ -100,6 +114,7 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
     if (auto read = frame_.read(in, mesh_); !read) return read.error();
     tried_ = 0;
     best_ = -1;
+    if (frame_.is_outline_alone) return solve_by_outline(in);
     const auto run = guesses_.run(in, mesh_.smoother, mesh_.at_rest(), *this);
     if (!run) return run.error();
     if (best_ >= 0 && frame_.data.observations.size() < kFewObservations) {
@@ -184,6 +199,49 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
     ++tried_;
   }
 
+  /// From the previous shape, else from the template placed in the mask. Then from the result, bent
+  /// to the other side.
+  Result<Shape> solve_by_outline(const SolverInput& in) {
+    const auto& previous = in.previous_shape;
+    const bool follows = previous && previous->vertices_m.rows() == mesh_.vertex_count() &&
+                         (previous->shape_state() == ShapeState::estimated ||
+                          previous->shape_state() == ShapeState::weak);
+    if (follows && previous->vertices_m.matrix<3>().allFinite()) {
+      fit_outline(Guess::previous, previous->vertices_m.matrix<3>());
+    }
+    if (best_ < 0) {
+      const auto placed_m = outline_start(*in.object_mask, frame_.data.camera, mesh_);
+      if (!placed_m) return no_result("too few matches, and the mask shows no object");
+      fit_outline(Guess::rigid, *placed_m);
+    }
+    if (best_ >= 0) {
+      fit_outline(Guess::mirrored,
+                  solvers::bend_mirrored(candidates_[to_index(best_)].vertices_m));
+    }
+    if (best_ < 0) return no_result("lost: too few matches, and no shape fits the mask's outline");
+    return build_shape(in, candidates_[to_index(best_)]);
+  }
+
+  void fit_outline(Guess guess, const Points3& from_m) {
+    constexpr double kMostMissed = 0.5;
+    Candidate& candidate = candidates_[tried_++];
+    candidate.guess = guess;
+    candidate.vertices_m = from_m;
+    search_.run(frame_, candidate);
+    candidate.fit = measured_outline(candidate.vertices_m);
+    const bool better =
+        candidate.usable() && candidate.fit.far_share <= kMostMissed &&
+        (best_ < 0 || candidate.result.energy < candidates_[to_index(best_)].result.energy);
+    if (better) best_ = static_cast<int>(tried_) - 1;
+  }
+
+  Fit measured_outline(const Points3& vertices_m) {
+    const Scales scales = search_.final_scales();
+    search_.energy().meet_outline(frame_.data, scales, vertices_m);
+    return gauge_.measure_outline(mesh_, frame_.data, scales.outline.noise_px, search_.energy(),
+                                  vertices_m);
+  }
+
   Result<Shape> build_shape(const SolverInput& in, const Candidate& best) {
     if (best.fit.residual_px >= kLostResidualPx) {
       return no_result("lost: the median point is " + std::to_string(best.fit.residual_px) +
@@ -205,6 +263,7 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
     }
     explain(best, shape.diag);
     shape.diag.set("rival", rival.probability);
+    if (frame_.data.outline.present()) explain_outline(best, shape.diag);
     if (frame_.inconsistent_pairs > 0) {
       return degenerate(std::move(shape),
                         std::to_string(frame_.inconsistent_pairs) +
@@ -262,15 +321,27 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
 
   void add_covariance(const Candidate& best, Shape& shape) {
     search_.energy().follow(best.vertices_m);
-    const HoldingNoise noise = holding_noise(
+    HoldingNoise noise = holding_noise(
         {best.fit.residual, best.fit.coherence, best.fit.strain, scale_noise_,
          frame_.data.observations.size(), frame_.observed.size(),
          covariance_.curvature_per_m(best.vertices_m, frame_.observed), mesh_.diagonal_m()});
+    if (frame_.data.outline.present()) {
+      noise.outline = observed_noise(measured_outline(best.vertices_m).residual, kOutlineCoherence);
+    }
     shape.covariance_m2 = Array<double>({mesh_.vertex_count(), 3, 3});
     const bool known =
         covariance_.compute(frame_.data, search_.scales, frame_.observed, best.vertices_m, noise,
                             search_.energy(), search_.factor(), shape.covariance_m2.data());
     if (!known) shape.covariance_m2 = {};
+  }
+
+  void explain_outline(const Candidate& best, Diagnostics& diag) {
+    const Fit fit = measured_outline(best.vertices_m);
+    const OutlineTerm& outline = search_.energy().outline();
+    diag.set("outline_points", static_cast<double>(outline.points().size()));
+    diag.set("outline_residual_px", fit.residual_px);
+    diag.set("outline_missed", fit.far_share);
+    diag.set("outline_weight", outline.share);
   }
 
   void explain(const Candidate& best, Diagnostics& diag) const {

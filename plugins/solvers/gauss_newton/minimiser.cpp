@@ -52,6 +52,7 @@ MinimiserResult Minimiser::run(const FrameData& frame, const Expectation& expect
     if (moved) {
       // Full correction of the chords for a ripple would produce the opposite ripple.
       energy_.follow(vertices_m, result.iterations == 0 ? 1.0 : kFollowed);
+      energy_.meet_outline(frame, scales, vertices_m);
       result.energy = energy_.linearise(frame, expected, scales, vertices_m, gradient_, matrix_);
       if (!std::isfinite(result.energy)) {
         result.stop = Stop::not_finite;

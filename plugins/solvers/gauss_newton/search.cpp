@@ -17,6 +17,8 @@ constexpr double kApproachBendRad = 0.1, kRigidBendRad = 0.02;
 constexpr int kApproachIterations = 10;
 constexpr double kApproachTolerance = 100.0;  // times that of the last steps
 constexpr std::size_t kMostSeenBends = 256;
+constexpr std::size_t kFewBesideOutline = 30;  // with fewer the outline counts from the beginning
+constexpr double kFarReach = 2.0;             // times the reach of the outline, at first
 
 /// Brings known points into their spheres, by the least motion of their corners.
 void bring_into_spheres(const std::vector<KnownSurfacePoint>& spheres, Points3& vertices_m) {
@@ -71,6 +73,8 @@ void ShapeSearch::run(const Frame& frame, Candidate& candidate) {
         minimiser_.run(frame.data, expected_, with, approach, vertices_m).iterations;
   };
   Scales soft = stage;
+  soft.outline.share = frame.data.observations.size() < kFewBesideOutline ? 1.0 : 0.0;
+  soft.outline.reach_px *= kFarReach;
   soft.strain *= kSoft;
   soft.pair_strain *= kSoft;
   if (candidate.guess == solvers::Guess::rigid) {
@@ -83,9 +87,15 @@ void ShapeSearch::run(const Frame& frame, Candidate& candidate) {
   expect_bends(frame, vertices_m);
   settle(stage);
   if (!frame.hidden.empty()) expect_bends(frame, vertices_m);
-  stage.trust = scales.trust;
+  stage = final_scales();
   candidate.result = minimiser_.run(frame.data, expected_, stage, options, vertices_m);
   bring_into_spheres(frame.data.spheres, vertices_m);
+}
+
+Scales ShapeSearch::final_scales() const {
+  Scales last = scales;
+  last.outline.reach_px = std::min(scales.outline.reach_px, scales.outline.outlier_px);
+  return last;
 }
 
 /// Those of a shape that was measured; of other starts, those at rest.

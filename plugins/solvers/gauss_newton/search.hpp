@@ -27,6 +27,9 @@ class ShapeSearch {
   /// Structure and memory for a mesh, which must outlive it. Fails on a mesh that cannot be used.
   Result<void> prepare(const Template& templ, const MeshModel& mesh);
 
+  /// Those of the last steps.
+  Scales final_scales() const;
+
   /// Optimises the shape of a candidate, which has the kind of its initial guess.
   void run(const Frame& frame, Candidate& candidate);
 

@@ -17,7 +17,7 @@
 namespace weft::frex {
 namespace {
 
-constexpr std::int32_t kHand = 2;  // mesh of the hand, which is none, in View::hits
+constexpr std::int32_t kHandMesh = 2;  // of the hand, which is none, in View::hits
 
 using scene::Colour;
 
@@ -188,7 +188,7 @@ void cover_by_hand(double share, bool is_grey, const Points2& vertices_px, scene
       if (distance > 1.0) continue;
       view.image.pixels[to_index(y) * to_index(width) + to_index(x)] = skin(distance, is_grey);
       view.depth_m(y, x) = 0.0F;
-      view.hits[to_index(y) * to_index(width) + to_index(x)].mesh = kHand;
+      view.hits[to_index(y) * to_index(width) + to_index(x)].mesh = kHandMesh;
       view.uv_px.row(y)[2 * x] = view.uv_px.row(y)[2 * x + 1] = kNone;
     }
   }

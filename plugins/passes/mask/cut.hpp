@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "prediction.hpp"
+#include "seeds.hpp"
+
+namespace weft::mask {
+
+/// The object in a reduced crop.
+struct Cut {
+  cv::Mat object;        ///< u8, 255 where the object is
+  double overlap = 0.0;  ///< [] 0 to 1, Bhattacharyya coefficient of both colour models
+};
+
+/// Graph cut between two mixtures of five colours, from the seeds. The result depends on the
+/// arguments alone.
+Cut cut_out(const cv::Mat& bgr, const Seeds& seeds, int iterations);
+
+/// Where the outline of a cut is not at an edge of the image, and around that: u8, 255 there.
+/// `share` is the share of the outline that is at an edge.
+cv::Mat without_edge(const cv::Mat& object, const cv::Mat& grey, double least_edge, double& share);
+
+/// The certainty in the crop of full size: the cut, which the image as a guide moves to its edges
+/// (He, Sun, Tang, Guided image filtering, TPAMI 2013).
+cv::Mat certainty(const cv::Mat& object, const cv::Mat& grey_of_full_size);
+
+}  // namespace weft::mask
