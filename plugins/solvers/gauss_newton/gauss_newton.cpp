@@ -215,8 +215,7 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
       fit_outline(Guess::rigid, *placed_m);
     }
     if (best_ >= 0) {
-      fit_outline(Guess::mirrored,
-                  solvers::bend_mirrored(candidates_[to_index(best_)].vertices_m));
+      fit_outline(Guess::mirrored, solvers::bend_mirrored(candidates_[to_index(best_)].vertices_m));
     }
     if (best_ < 0) return no_result("lost: too few matches, and no shape fits the mask's outline");
     return build_shape(in, candidates_[to_index(best_)]);

@@ -18,7 +18,7 @@ constexpr int kApproachIterations = 10;
 constexpr double kApproachTolerance = 100.0;  // times that of the last steps
 constexpr std::size_t kMostSeenBends = 256;
 constexpr std::size_t kFewBesideOutline = 30;  // with fewer the outline counts from the beginning
-constexpr double kFarReach = 2.0;             // times the reach of the outline, at first
+constexpr double kFarReach = 2.0;              // times the reach of the outline, at first
 
 /// Brings known points into their spheres, by the least motion of their corners.
 void bring_into_spheres(const std::vector<KnownSurfacePoint>& spheres, Points3& vertices_m) {
