@@ -261,6 +261,22 @@ TEST(GaussNewton, ContinuesFromThePreviousShape) {
   EXPECT_EQ(shape.shape_state(), ShapeState::estimated);
 }
 
+TEST(GaussNewton, AnObjectThatIsCurvedAtRestAlsoBeginsFromItsPosedRestShape) {
+  const BentPose posed{0.06, {0.6, 0, 0, 0.3, 0, 0}};
+  Matched matched(posed, {300, 1.0, 0.5}, kSeed);
+  matched.scene.templ.vertices_m = make_array<double>(testing::bent_vertices(
+      matched.scene.templ,
+      testing::make_cylinder(reference_sheet(), posed.radius_m, 0.3, {0, 0, 0, 0, 0, 0})));
+  // The nested guess is the rest shape without its tilt, from which the solver ends elsewhere or at
+  // a higher energy.
+  PluginUnderTest plugin(kId, "{initial_guess: {use: solvers/initial_guess, shape: frontal}}");
+  const Shape shape = given(matched.run(plugin));
+  EXPECT_EQ(shape.diag.value("start", -1.0), 4.0);
+  EXPECT_GE(shape.diag.value("starts_tried", 0.0), 2.0);
+  EXPECT_EQ(shape.shape_state(), ShapeState::estimated);
+  EXPECT_LT(1e3 * matched.scene.mean_error_m(shape), 0.5);
+}
+
 TEST(GaussNewton, TriesNoOtherStartThanThePreviousShapeWhereItGoesOn) {
   const Matched matched({0.25, {0.6, 0, 0, 0, 0, 0}}, {300, 1.0, 0.0}, kSeed);
   // Half of the surface's size aside: taken for an object that jumped.
