@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stages in processes of their own, in runs as users start them.
+// Stages in separate processes, in runs as users start them.
 #include <gmock/gmock.h>
 #include <signal.h>
 
@@ -133,7 +133,7 @@ TEST_F(IsolationTest, WhatDidNotComeWithTheProgramHasProcessesOfItsOwnAndGivesTh
     EXPECT_EQ(said[choice], said["none"]);
   }
   EXPECT_NE(written["none"], "");
-  // The file in the run folder says it all: the same again, whatever is asked for.
+  // The file in the run folder is complete: --isolate does not change it.
   const Ended again = run(path("none/pipeline.yaml"), path("again"), {"--isolate", "all"});
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_THAT(read_text(path("again/pipeline.yaml")), Not(HasSubstr("isolate: process")));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a composer changes in the pipelines, line by line, with the program as users run it.
+// Line-by-line changes of the pipelines by a composer, with the program as users run it.
 #include <gmock/gmock.h>
 #include <stdlib.h>
 
@@ -142,7 +142,7 @@ TEST_F(OneLineChanges, WorkThatWouldBeLostIsRefusedWithTheFix) {
   EXPECT_EQ(merged.exit_code, 2);
   EXPECT_THAT(merged.err, AllOf(HasSubstr(":18:5: matchers/merge unites several"),
                                 HasSubstr("from: {correspondences: [matchers, matchers#2]}")));
-  // A filter that an extending file adds without saying where stands at the end.
+  // A filter that an extending file adds without a position comes last.
   const Ended late = weft("check", "weft: 1\nextends: " WEFT_PIPELINES
                                    "/sparse.yaml\nstages:\n"
                                    "  - {use: filters/myneighbor, as: again}\n");

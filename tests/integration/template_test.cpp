@@ -141,7 +141,7 @@ TEST_F(TemplateCommand, CropsTheTextureToTheObject) {
       2);
 }
 
-/// The same picture left to right, as a PPM or PGM file.
+/// The same image mirrored left to right, as a PPM or PGM file.
 std::string mirrored_picture(const Template& templ) {
   const std::int64_t height = templ.texture.dim(0), width = templ.texture.dim(1);
   const std::int64_t channels = templ.texture.dim(2);
@@ -364,7 +364,7 @@ TEST_F(ObjectFilm, ShowsALabelThatIsCurvedAtRestAndOpens) {
   const auto same = align_points(label.vertices_m.matrix<3>(), rest.points_m.matrix<3>());
   ASSERT_TRUE(same);
   EXPECT_LT(same->rms, 1e-9);
-  // The middle bulges towards the camera, and the print is upright.
+  // The middle bulges towards the camera, and the texture is upright.
   const auto points = rest.points_m.matrix<3>();
   EXPECT_LT(points(7, 2), points(0, 2) - 0.03);
   EXPECT_LT(points(0, 0), points(14, 0));

@@ -30,7 +30,7 @@ using ::testing::StartsWith;
 
 constexpr const char* kLibrary = "sources_test.scripted";
 
-/// The program in a folder of its own.
+/// The program in a separate folder.
 class Tools : public testing::PipelineTest {
  protected:
   std::vector<std::string> command(const std::vector<std::string>& arguments,
@@ -275,7 +275,7 @@ TEST_F(Tools, ATraceShowsWhatRanInAWorker) {
   EXPECT_EQ(process_of["filters/warp"], "worker of filters");
   EXPECT_LE(span["filters"].first, span["filters/warp"].first);
   EXPECT_GE(span["filters"].second, span["filters/warp"].second);
-  // What a worker made is what this process makes.
+  // This process makes the same result as a worker.
   EXPECT_EQ(weft({"replay", "filters", path("run")}).exit_code, 0);
 }
 

@@ -58,7 +58,7 @@ TEST(RoleContract, AcceptsADeviationThatIsSaidAndRefusesOneThatDoesNotOccur) {
   EXPECT_THAT(report.failures, Contains("with 1 match: is declared as a deviation, and passes"));
 }
 
-/// What `weft plugins check` prints, and its exit code.
+/// The exit code and the output of `weft plugins check`.
 std::pair<int, std::string> program_says(const std::string& arguments) {
   const std::string command = std::string(WEFT_PROGRAM) + " plugins check " + arguments + " 2>&1";
   FILE* program = popen(command.c_str(), "r");

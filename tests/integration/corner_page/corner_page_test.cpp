@@ -40,7 +40,7 @@ class CornerPageOfTheCommand : public PipelineTest {
     return Child(std::move(words), path("said")).wait();
   }
 
-  /// Of the photograph of the repository's own sheet.
+  /// Runs `template make` on the repository's own photograph.
   Ended make_sheet(const std::string& out, std::vector<std::string> more = {}) const {
     more.insert(more.end(), {"--camera", WEFT_DATA_FOLDER "/sheet_photo_camera.yaml", "--json"});
     return make(WEFT_DATA_FOLDER "/sheet_photo.jpg", out, more);

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 const std::string kUnruly = WEFT_UNRULY_FOLDER;
 constexpr const char* kFaulty = "filters/test_faulty";
 
-/// The library of faults in a folder of its own, as it chooses its fault when it is loaded.
+/// The library of faults in a separate folder, because it chooses its fault when it is loaded.
 class FaultyFolder {
  public:
   explicit FaultyFolder(const std::string& fault) {
@@ -208,7 +208,7 @@ TEST(Conformance, HasABrokenPluginForEachCheckOfItsOwn) {
   std::set<std::string> proved = {"load/manifest", "parameters/defaults", "load/binds_now"};
   for (const Broken& broken : kBroken) proved.insert(broken.check);
   const std::set<std::string> unproved = {
-      "load/layout",     // what has a damaged table is refused before
+      "load/layout",     // damaged tables are refused before
       "load/processor",  // libraries for other processors are refused before
       "load/strip",      // the linker writes no build-id that strip removes
       "calls/sanitized", "calls/state", "limits/clock",  // never apply

@@ -18,8 +18,8 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// The truth of a sheet 5 mm before the estimate: vertices in the left half are `close`, those in
-/// the right half are told as a cloud of the part `far`, moved by 10 mm more.
+/// The truth of a surface 5 mm before the estimate. Vertices in the left half are the part `close`.
+/// The right half is a cloud, the part `far`, moved by 10 mm more.
 GroundTruth truth_in_parts(const TestRun& run) {
   const Points3 true_m = run.vertices();
   std::vector<Eigen::Index> left, right;

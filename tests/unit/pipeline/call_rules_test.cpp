@@ -18,7 +18,7 @@ using ::testing::StartsWith;
 /// Stages that are called in some frames only.
 class CallRules : public testing::PipelineTest {
  protected:
-  /// A cheap matcher, one that stands in for it by the rule `when`, and what unites them.
+  /// A cheap matcher, one that replaces it by the rule `when`, and a component that unites them.
   static std::string with_fallback(const std::string& cheap_params, const std::string& when) {
     return head("{frames: 6}") +
            "stages:\n"

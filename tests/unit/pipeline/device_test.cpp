@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arrays that a detector keeps in a memory of its own, in pipelines that can and cannot read there.
+// Arrays that a detector keeps in device memory, in pipelines that can and cannot read there.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 using testing::head;
 using testing::Ran;
 
-constexpr double kBytes = 24.0 * 4.0 * 4.0;  // of the descriptors of one image
+constexpr double kBytes = 24.0 * 4.0 * 4.0;  // descriptors of one image
 
 class Devices : public testing::PipelineTest {
  protected:

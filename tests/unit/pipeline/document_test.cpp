@@ -11,7 +11,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// What a stage came to, as "name=id{param=value}" of the parameter asked for.
+/// The resolved stages, as "name=id{param=value}".
 std::vector<std::string> names_and_ids(const std::vector<StageConfig>& stages) {
   std::vector<std::string> result;
   for (const StageConfig& stage : stages) {

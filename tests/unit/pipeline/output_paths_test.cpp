@@ -32,7 +32,7 @@ std::string over(const std::string& path) { return to(path) + ", overwrite: true
 
 class OutputPaths : public testing::PipelineTest {
  protected:
-  /// The only mistake of a pipeline, or "ok".
+  /// The only error of a pipeline, or "ok".
   std::string answer(const std::string& input, const std::vector<std::string>& sinks) const {
     const auto report = check(pipeline(input, sinks)).second;
     if (report.ok()) return "ok";

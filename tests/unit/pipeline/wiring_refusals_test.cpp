@@ -113,7 +113,7 @@ TEST_F(WiringRefusals, RefusesAStageWhoseMatchesAnotherReplaces) {
                 .second),
       ElementsAre("5:5: no component reads the keypoints of 'a', because 'b' makes new ones; take "
                   "what it makes with from: {keypoints: a}, or leave it out: --set without=a"));
-  // Nobody reads the keypoints either once those matches are gone.
+  // No component reads the keypoints either once those matches are gone.
   EXPECT_THAT(lines(check(solved("  - {use: detectors/test.scripted, as: a}\n"
                                  "  - {use: matchers/test.scripted, as: first}\n" +
                                  std::string(kMatcher)))
@@ -150,7 +150,8 @@ TEST_F(WiringRefusals, RefusesAStageThatComesTooLate) {
 }
 
 TEST_F(WiringRefusals, TakesStagesWhoseWorkIsReadInOtherWays) {
-  // By a sink, in the next frame, as the shape of frames in which the other solver has none.
+  // A sink reads the first, and the next frame reads the second. The third gives the shape of
+  // frames in which the other solver has none.
   const std::string pass = "  - {use: passes/test.scripted}\n";
   EXPECT_TRUE(check(solved(kMatcher, pass, "  - {use: sinks/test.visibility}\n")).second.ok());
   EXPECT_TRUE(

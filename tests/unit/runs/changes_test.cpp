@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs that somebody at a sink changes, pauses or ends, and runs that repeat such changes.
+// Runs that a user at a sink changes, pauses or ends, and runs that repeat such changes.
 #include <gmock/gmock.h>
 
 #include <cmath>

@@ -164,8 +164,8 @@ TEST(Compare, SaysTooFewBelowSixSequencesAndWithTooManyTests) {
   EXPECT_EQ(three->headline, "Too few sequences to decide: 6 for 4 tests.");
 }
 
-/// Ties leave the second pair with six sequences, of which no outcome is called among four tests in
-/// the first place. It is undecided all the same, for it has as many sequences as the one called.
+/// Ties leave the second pair six sequences, too few for any outcome to be called among four tests.
+/// It is undecided all the same, because it has as many sequences as the one called.
 TEST(Compare, CallsPairsOfTheSameNumberOfSequencesTooFewTogether) {
   std::vector<Observation> observations;
   add("a", {1, 2, 3, 4, 5, 6, 7, 8}, observations);
@@ -356,7 +356,7 @@ TEST(Compare, SplitsGroupsAndCorrectsForAllOfThem) {
   EXPECT_EQ((*tables)[1].headline,
             "With hard, a is better than b by 1 mm: mean 3D error 4.5 instead of 5.5 mm, 95 % "
             "interval 1 to 1 mm and p = 0.0156 after Holm's correction for 2 tests, 8 sequences.");
-  // A group without results has nothing to say, and takes nothing from the others.
+  // A group without results has no comparisons, and takes none from the others.
   groups.push_back({"With none", {}});
   EXPECT_TRUE((*compare_separately(groups))[2].pairs.empty());
   EXPECT_EQ((*compare_separately(groups))[1].tests, 2);
