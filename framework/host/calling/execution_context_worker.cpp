@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an execution context does for instances that live in a worker.
+// Functions of an execution context for instances that live in a worker.
 #include "host/calling/execution_context_parts.hpp"
 
 namespace weft::host {

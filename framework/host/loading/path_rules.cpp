@@ -19,7 +19,7 @@ PathRules PathRules::of_process(std::vector<std::string> input_folders, std::str
 
 namespace {
 
-/// The text with `${NAME}` in place of the shell's `~` and `$NAME` at its beginning.
+/// The text with `${NAME}` instead of the shell's `~` or `$NAME` at its beginning.
 Result<std::string> with_braces(const std::string& text) {
   const std::size_t end = std::min(text.find('/'), text.size());
   const std::string first = text.substr(0, end), rest = text.substr(end);

@@ -164,7 +164,8 @@ class Loader {
   }
 
   void read_overwrite(const yaml::Node& node, StageConfig& stage) {
-    // What is refused without it would only follow from a flag that is none.
+    // A value that is no flag counts as true, because errors without the flag would only be
+    // consequences.
     stage.overwrite = node.find("overwrite") != nullptr && read_flag(node, "overwrite", true);
   }
 

@@ -132,8 +132,8 @@ void SetupMonitor::doubt(const Graph& graph, const Shape& shape, FrameResult& fr
   limit_confidence(graph, confidence, worst.claim, frame);
 }
 
-/// In a film the frame before says which of two prints is followed. Nothing does so in an image by
-/// itself: the other print is as likely the one that is meant.
+/// In a video, the previous frame determines which of two equal textures is tracked. A single image
+/// does not: the other texture is equally likely the intended one.
 void SetupMonitor::doubt_choice(const Graph& graph, const Shape& shape, FrameResult& frame) {
   if (coherent_rejects_ == 0) return;
   if (frame.state == ShapeState::estimated) frame.state = ShapeState::weak;

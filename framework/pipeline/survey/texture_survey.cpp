@@ -32,7 +32,7 @@ constexpr double kMostGapEdges = 2.0, kMostGapOfSize = 0.1;
 
 using Floats = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// What a stage makes of these inputs; null where the data do not determine an answer.
+/// The product of a stage for these inputs; null if the data do not determine an answer.
 Result<host::RecordPtr> made_by(host::ExecutionContext& context, host::Instance& instance,
                                 std::span<const weft_record> inputs, const char* slot) {
   const host::Outcome outcome = context.call(instance, kRunStage, inputs, host::kOfflineFrame);

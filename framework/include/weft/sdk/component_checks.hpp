@@ -20,8 +20,8 @@ struct FixedText {
   char bytes[Size]{};
 };
 
-// By value: GCC with -fsanitize=undefined does not accept the address of a template argument as
-// constant.
+// Passed by value: GCC with -fsanitize=undefined does not accept the address of a template argument
+// as constant.
 template <std::size_t Size>
 constexpr bool is_id(FixedText<Size> text) {
   return is_component_id(text.view());
