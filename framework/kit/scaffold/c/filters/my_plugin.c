@@ -11,7 +11,7 @@
 
 static const double usual_tolerance_px = 30.0;
 static const double nothing_px = 0.1; /* added to residuals, so that no weight is infinite */
-static const double on_a_line = 1e-9; /* of the spread across the line to that along it */
+static const double on_a_line = 1e-9; /* ratio of the spread across the line to that along it */
 static const char *const slot = "inlier_mask", *const type = "inlier_mask/1";
 
 static int32_t say(weft_error* error, int32_t status, int32_t code, const char* message) {
@@ -74,7 +74,7 @@ static const double* row_of(const weft_array* array, int64_t i) {
   return (const double*)(const void*)((const char*)array->data + i * array->stride[0]);
 }
 
-/* What is judged: the matches that no earlier filter rejected. */
+/* The matches that the filter judges: those that no earlier filter rejected. */
 typedef struct {
   int64_t count;
   int64_t* index;
