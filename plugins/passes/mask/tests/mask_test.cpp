@@ -6,8 +6,10 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <vector>
 #include <weft/core/index.hpp>
 #include <weft/data/matrix.hpp>
 #include <weft/testing/plugin_under_test.hpp>
@@ -73,7 +75,9 @@ class Tabletop {
   }
 
   testing::PluginAnswer run(const std::string& params = "{}", bool with_shape = true) const {
-    testing::PluginUnderTest pass("passes/mask", params);
+    // Answers live as long as the plugin.
+    passes_.push_back(std::make_unique<testing::PluginUnderTest>("passes/mask", params));
+    testing::PluginUnderTest& pass = *passes_.back();
     std::vector<testing::Input> inputs{testing::input("template", templ),
                                        testing::input("camera", camera),
                                        testing::input("image", image)};
@@ -135,6 +139,7 @@ class Tabletop {
     return {hit.x() / templ.m_per_px(0), hit.y() / templ.m_per_px(1)};
   }
 
+  mutable std::vector<std::unique_ptr<testing::PluginUnderTest>> passes_;
   double table_grey_;
   double light_ = 0.85;
   Eigen::Isometry3d camera_from_template_;

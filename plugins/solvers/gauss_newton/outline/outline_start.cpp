@@ -56,19 +56,31 @@ Moments moments_of(const ObjectMask& mask) {
   return found;
 }
 
-/// From the plane of the mesh at rest, seen from its front: y of the image runs down.
-Eigen::Vector2d seen_from_front(const Eigen::Vector3d& rest_m) { return {rest_m.x(), -rest_m.y()}; }
+/// The mesh at rest [V,3] m as a camera sees it from its front: x along that of the template, y
+/// down and z away from the camera.
+Points3 seen_from_front(const MeshModel& mesh) {
+  Points3 normals(mesh.faces.rows(), 3);
+  face_normals(mesh.rest_m, mesh.faces, normals);
+  const Eigen::Vector3d front = normals.colwise().sum().transpose().normalized();
+  Eigen::Vector3d right = Eigen::Vector3d::UnitX() - front.x() * front;
+  if (!(right.norm() > 1e-3)) right = Eigen::Vector3d::UnitY() - front.y() * front;
+  Eigen::Matrix3d axes;
+  axes.row(0) = right.normalized().transpose();
+  axes.row(1) = -front.cross(right.normalized()).transpose();
+  axes.row(2) = -front.transpose();
+  return mesh.rest_m * axes.transpose();
+}
 
-Moments moments_of(const MeshModel& mesh) {
+Moments moments_of(const Points3& seen_m, const Faces& faces) {
   Moments found;
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     const auto at = [&](Eigen::Index k) -> Eigen::Vector3d {
-      return mesh.rest_m.row(mesh.faces(f, k)).transpose();
+      return seen_m.row(faces(f, k)).transpose();
     };
-    const double area = 0.5 * (at(1) - at(0)).cross(at(2) - at(0)).norm();
+    const double area = 0.5 * std::abs((at(1) - at(0)).cross(at(2) - at(0)).z());
     for (Eigen::Index k = 0; k < 3; ++k) {
       const Eigen::Vector3d middle = 0.5 * (at(k) + at((k + 1) % 3));
-      found.add(seen_from_front(middle), area / 3.0);  // exact for second moments
+      found.add(middle.head<2>(), area / 3.0);  // exact for second moments
     }
   }
   return found;
@@ -78,7 +90,8 @@ Moments moments_of(const MeshModel& mesh) {
 
 std::optional<Points3> outline_start(const ObjectMask& mask, const Pinhole& camera,
                                      const MeshModel& mesh) {
-  const Moments seen = moments_of(mask), rest = moments_of(mesh);
+  const Points3 front_m = seen_from_front(mesh);
+  const Moments seen = moments_of(mask), rest = moments_of(front_m, mesh.faces);
   if (!(seen.area > 0.0 && rest.area > 0.0)) return std::nullopt;
   const auto seen_rad = seen.axis_rad(), rest_rad = rest.axis_rad();
   double turn_rad = seen_rad && rest_rad ? *seen_rad - *rest_rad : 0.0;
@@ -89,9 +102,9 @@ std::optional<Points3> outline_start(const ObjectMask& mask, const Pinhole& came
                             (seen.centroid().y() - camera.cy) / camera.fy);
   Points3 placed(mesh.vertex_count(), 3);
   for (Eigen::Index v = 0; v < placed.rows(); ++v) {
-    const Eigen::Vector3d at = mesh.rest_m.row(v).transpose();
-    const Eigen::Vector2d flat = turn * (seen_from_front(at) - rest.centroid()) + depth_m * ray;
-    placed.row(v) << flat.x(), flat.y(), depth_m - at.z();
+    const Eigen::Vector3d at = front_m.row(v).transpose();
+    const Eigen::Vector2d flat = turn * (at.head<2>() - rest.centroid()) + depth_m * ray;
+    placed.row(v) << flat.x(), flat.y(), depth_m + at.z();
   }
   return placed;
 }
