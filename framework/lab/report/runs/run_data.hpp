@@ -48,7 +48,7 @@ struct RunData {
   std::vector<RunFrame> frames;   ///< ascending
   CellView view;                  ///< some frames, the worst among them
   std::vector<WorstFrame> worst;  ///< the worst first; without truth the least sure ones
-  FlatPrint print;                ///< of a run that was compared with a flat texture
+  FlatPrint print;                ///< comparison with the flat texture; for some runs
 };
 
 /// Reads and evaluates a run folder; fails as evaluate_run does. `unwarping_sink` as in

@@ -125,8 +125,8 @@ static void take(matches* all, const weft_array* from, const weft_array* to,
   }
 }
 
-/* Solves m x = b of 3 equations with 2 right-hand sides by elimination with full pivots, and leaves
- * out what m does not determine. Returns the rank of m. */
+/* Solves m x = b of 3 equations with 2 right-hand sides by elimination with full pivots. Omits the
+ * components that m does not determine. Returns the rank of m. */
 static int solve(double m[3][3], double b[3][2], double x[3][2]) {
   int order[3] = {0, 1, 2}, rank = 0;
   double largest = 0.0;
@@ -215,7 +215,7 @@ static int32_t judge(matches* all, const weft_call* call, int64_t n, double tole
     return say(error, WEFT_ERROR, WEFT_CODE_NO_MEMORY, "the host gives no memory for the mask");
   }
   *mean_px = 0.0;
-  for (int64_t i = 0; i < n; ++i) kept[i] = 0, score[i] = 0.0; /* what alloc gives is not cleared */
+  for (int64_t i = 0; i < n; ++i) kept[i] = 0, score[i] = 0.0; /* alloc does not clear memory */
   for (int64_t k = 0; k < all->count; ++k) {
     kept[all->index[k]] = all->residual[k] <= tolerance_px;
     score[all->index[k]] = 1.0 / (1.0 + all->residual[k]);
@@ -277,5 +277,5 @@ const weft_library_table weft_library = {
     .struct_size = sizeof(weft_library_table),
     .count = 1,
     .components = components,
-    .isa = "", /* what -m options let the compiler assume beyond x86-64, such as "avx2 fma" */
+    .isa = "", /* CPU features beyond x86-64 that -m options enable, such as "avx2 fma" */
     .compiler = "cc " __VERSION__};
