@@ -93,9 +93,12 @@ Result<std::string> read_text(const std::string& file);
 ///
 /// A text that is no YAML gives Errc::syntax at "file:line:column", alone: invalid UTF-8 or control
 /// characters, bad indentation, a missing quote or bracket. All other errors are collected in
-/// `problems`: duplicate keys, merge keys (`<<`), keys that are not text, more than one document,
-/// directives other than `%YAML 1.2`, tags other than !!str !!seq !!map, and aliases without an
-/// anchor. Also collected are texts with a NUL character, which would truncate a name or a path.
+/// `problems`:
+/// - duplicate keys, merge keys (`<<`), keys that are not text;
+/// - more than one document, directives other than `%YAML 1.2`;
+/// - tags other than !!str !!seq !!map, aliases without an anchor;
+/// - texts with a NUL character, which would truncate a name or a path.
+///
 /// Too many nodes or too deep nesting end the reading and are the last problem.
 Result<Document> parse(std::string_view text, std::string file_name);
 

@@ -5,11 +5,11 @@
 
 namespace weft::cli {
 
-/// While it lives, stderr reports what ran if a component ends the process instead of answering: by
-/// SIGSEGV, SIGBUS, SIGFPE, SIGILL or SIGABRT, also after a stack overflow, or by exit() and
-/// similar functions. After a signal the process then ends as it would have, otherwise with
-/// kComponentExited. One at a time. It detects neither a stack overflow in a component's thread nor
-/// direct system calls.
+/// While it lives, stderr reports the current action if a component ends the process instead of
+/// answering. It detects SIGSEGV, SIGBUS, SIGFPE, SIGILL and SIGABRT, also after a stack overflow,
+/// and exit() and similar functions. After a signal the process then ends as it would have,
+/// otherwise with kComponentExited. One at a time. It detects neither a stack overflow in a
+/// component's thread nor direct system calls.
 class SuddenEndWatch {
  public:
   SuddenEndWatch();

@@ -18,11 +18,11 @@
 /// `stage`, `kind` or `part` of a struct identifies it in a list. A visitor has, besides
 /// operator(),
 ///
-///   derived(field, value)           what follows from other members, so that no reader takes it
-///   object(field, there, f)         members of some frames, in an object of their own in JSON
-///   when(there, f)                  members of some frames: f(visit)
-///   optional(member)                the members of a struct that some frames lack
-///   keyed(field, pairs)             structs by the name of their stage or part
+///    derived(field, value)           a value computed from other members, which readers ignore
+///    object(field, there, f)         members of some frames, in a nested object in JSON
+///    when(there, f)                  members of some frames: f(visit)
+///    optional(member)                the members of a struct that some frames lack
+///    keyed(field, pairs)             structs by the name of their stage or part
 namespace weft::lab {
 
 /// Converts a share of 1.

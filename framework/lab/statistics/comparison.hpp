@@ -23,7 +23,7 @@ struct ComparisonOptions {
 };
 
 /// `too_few` if no outcome of this number of sequences could have been significant, ties excluded.
-/// Of two pairs with the same number of sequences in one family, both are too few or neither is.
+/// Two pairs with the same number of sequences in one family are both too few, or neither is.
 enum class Call { too_few, undecided, a, b };
 
 /// True if a call names one of the two.

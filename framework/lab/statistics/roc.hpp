@@ -25,8 +25,8 @@ struct RocCurve {
 };
 
 /// Sorts points and computes the area under them by the trapezoid rule, with (0, 0) and (100, 100)
-/// added; no envelope. 100 is perfect, 50 is chance (5 for the partial area). Without points the
-/// areas are unknown.
+/// added; no envelope. The area is 100 % for a perfect filter and 50 % for chance (5 % for the
+/// partial area). Without points the areas are unknown.
 RocCurve roc_curve(std::vector<RocPoint> points);
 
 /// Averages rates at each threshold first, FPR and TPR each over the frames that have them: the

@@ -7,9 +7,10 @@
 
 namespace weft::lab {
 
-/// The result of a pair in one sentence: "With orb, new is better than old by 0.3 mm: mean 3D error
-/// 1.1 instead of 1.4 mm, 95 % interval 0.1 to 0.5 mm, p = 0.004, 20 sequences." `where` begins it
-/// and may be empty; `tests` is the number of tests for which p was corrected.
+/// The result of a pair in one sentence, such as
+///    With orb, new is better than old by 0.3 mm: mean 3D error 1.1 instead of 1.4 mm,
+///    95 % interval 0.1 to 0.5 mm, p = 0.004, 20 sequences.
+/// `where` begins it and may be empty; `tests` is the number of tests for which p was corrected.
 std::string brief_sentence_of(const PairComparison& pair, const ComparisonOptions& options,
                               std::int64_t tests, const std::string& where = "");
 
