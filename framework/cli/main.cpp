@@ -20,7 +20,7 @@ int run_command(const std::vector<std::string>& arguments) {
   app.require_subcommand(1);
   app.footer(
       "Examples:\n"
-      "  weft live --demo                a simulated sheet in the browser\n"
+      "  weft live --demo                a simulated surface in the browser\n"
       "  weft run pipelines/demo.yaml    a pipeline, into a run folder\n"
       "Exit codes: without a command or with a wrong one 2; all commands exit with 3 when their "
       "standard output cannot be written.");

@@ -22,7 +22,7 @@ void show_interpreter() {
 Result<void> failed(const PyStatus& status) {
   return Error{Errc::incompatible,
                std::string("Python does not start: ") +
-                   (status.err_msg != nullptr ? status.err_msg : "for no reason that it tells")};
+                   (status.err_msg != nullptr ? status.err_msg : "for an unreported reason")};
 }
 
 Result<void> start() {

@@ -79,7 +79,7 @@ std::string Builder::unknown_anchor(const std::string& name) const {
   if (!near.empty()) hint = "; did you mean " + quote("*" + near) + "?";
   if (near.empty()) hint = "; quote a text that begins with '*'";
   if (!name.empty() && name.back() == ':') hint = "; put a space before the ':'";
-  return "no anchor " + quote("&" + name) + " stands before this alias" + hint;
+  return "no anchor " + quote("&" + name) + " precedes this alias" + hint;
 }
 
 void Builder::problem(Position at, std::string message) {
@@ -110,7 +110,7 @@ void Builder::OnDocumentStart(const YAML::Mark& mark) {
                   "this does not belong to the value before it; check the indentation, and quote "
                   "a text as a whole"};
     }
-    problem(text_.position(offset), "more than one document; put it into a file of its own");
+    problem(text_.position(offset), "more than one document; put it into a separate file");
     throw Stop{};
   }
 }
@@ -231,7 +231,7 @@ void Builder::OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) {
   const Position at = text_.position(offset);
   const auto found = anchored_.find(anchor);
   if (found == anchored_.end()) {
-    problem(at, "an alias inside the value of its own anchor");
+    problem(at, "an alias inside the value of the anchor that it names");
     Node node;
     node.at = at;
     return deliver(std::move(node), offset, 0);

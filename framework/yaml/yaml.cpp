@@ -42,7 +42,7 @@ const Saying kSayings[] = {
      "':' is not expected here; check the indentation, and quote text that holds ': '"},
     {YAML::ErrorMsg::MAP_KEY, "'?' is not expected here"},
     {YAML::ErrorMsg::BLOCK_ENTRY,
-     "'- ' is not expected here; start the list on a line of its own, or write it inside [ ]"},
+     "'- ' is not expected here; start the list on a new line, or write it inside [ ]"},
     {YAML::ErrorMsg::TAB_IN_INDENTATION, "a tab in the indentation; indent with spaces"},
     {YAML::ErrorMsg::EOF_IN_SCALAR, "a quote is not closed"},
     {YAML::ErrorMsg::DOC_IN_SCALAR, "a quote is not closed before the document ends"},

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // weft_abi_host
 //
-// Calls the components of the libraries in WEFT_PLUGIN_PATH, each method of each role, on what the
-// first ones make, and prints what they answer to the last bit: a line for each call, and one for
-// each file or component that is refused. Exit code: 0 unless something that is there could not be
-// called.
+// Calls the components of the libraries in WEFT_PLUGIN_PATH, each method of each role, on the
+// output of the first ones. Prints their answers to the last bit: a line for each call, and one for
+// each refused file or component. Exit code: 0 unless an existing component could not be called.
 #include <charconv>
 #include <cstring>
 #include <filesystem>
@@ -65,7 +64,7 @@ void print_array(const weft_array& array) {
 
 constexpr const char* kStatus[] = {"ok", "degenerate", "no result", "error", "cancelled", "end"};
 
-/// What a component answers, and hands on under the names of inputs.
+/// The answers of components, passed on under the names of inputs.
 class Scene {
  public:
   explicit Scene(const std::vector<std::string>& ids) : ids_(ids) {}
@@ -97,7 +96,7 @@ class Scene {
   }
   void forget(const char* slot) { known_.erase(slot); }
 
-  /// Of this role, in the order of their names.
+  /// The components of this role, ordered by name.
   std::vector<std::string> of(const std::string& role) const {
     std::vector<std::string> found;
     for (const std::string& id : ids_) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0
- * A library as a header 1.99 would make it: longer structs, flags and arrays that 1.0 does not
- * know, an optional input that came later, and components that only a later host can use. It needs
- * nothing of that for the first one. With NEEDS it needs a host of 1.99, with VERSION_2 it knows
- * the second version of a record only, with BOTH the first one too.
+ * A library as a header 1.99 would make it. It has longer structs, flags and arrays unknown to 1.0,
+ * a later optional input, and components that only a later host can use. The first component needs
+ * none of these. With NEEDS it needs a host of 1.99. With VERSION_2 it supports only the second
+ * version of a record, with BOTH also the first one.
  */
 #include <stddef.h>
 #include <string.h>
@@ -58,7 +58,7 @@ static int32_t prepare(void* self, const weft_call* call, const weft_record* inp
   return WEFT_OK;
 }
 
-/* Keeps all; asks for an array and a record that 1.0 does not know, and goes on where refused. */
+/* Keeps all; allocates an array and a record unknown to 1.0, and continues if refused. */
 static int32_t process(void* self, const weft_call* call, const weft_record* inputs, uint64_t count,
                        weft_error* error) {
   const int64_t* length = NULL;
@@ -96,7 +96,7 @@ static const struct {
      "exact", "", "depth", "", 1, describe, create, prepare, process, destroy, get_extension},
     "?"};
 
-/* Of a role that came later. */
+/* Has a role that came later. */
 static const weft_component later = {sizeof later,
                                      0,
                                      "tracks/kept.later",

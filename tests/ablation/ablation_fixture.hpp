@@ -71,7 +71,7 @@ class AblationTest : public weft::testing::PipelineTest {
     return state.results.records.cells.at(grid.cells()[index].identity.key);
   }
 
-  /// What the folder "out" has of a cell.
+  /// The line of a cell in the folder "out".
   json line_of(const Grid& grid, std::size_t index) const {
     const std::vector<json> all = lines("out");
     const auto found = std::find_if(all.begin(), all.end(), [&](const json& line) {

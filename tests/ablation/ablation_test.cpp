@@ -33,9 +33,9 @@ TEST_F(Ablation, ExecutesEachDistinctStageKeyOnce) {
   for (const auto& [key, times] : executed) EXPECT_EQ(times, 1) << key;
   EXPECT_EQ(state.stages, stages);
   EXPECT_EQ(state.stages_executed, executed.size());
-  // Of each sequence: detector and matcher; warp, pass and two solvers without a filter; two of the
-  // four that read the shape back, with `every` and with `off`; a filter, a warp, a pass and two
-  // solvers for each seed.
+  // Executed for each sequence: detector and matcher; warp, pass and two solvers without a filter.
+  // Two of the four components that read the shape back run with `every` and with `off`. A filter,
+  // a warp, a pass and two solvers run for each seed.
   EXPECT_EQ(executed.size(), 2U * (2U + 4U + 2U * 4U + 2U * 4U + 2U * 5U));
 }
 

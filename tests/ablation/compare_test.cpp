@@ -42,7 +42,7 @@ TEST_F(CompareCommand, NamesTheBetterPipelineWithEffectIntervalAndNumberOfSequen
 TEST_F(CompareCommand, SaysThatOneSequenceIsTooFew) {
   const auto ended = compare({});
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
-  EXPECT_THAT(ended.out, HasSubstr("Too few sequences to tell near from far"));
+  EXPECT_THAT(ended.out, HasSubstr("Too few sequences to compare near with far"));
 }
 
 TEST_F(CompareCommand, LeavesAPlanThatGivesTheSameCells) {

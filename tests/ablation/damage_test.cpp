@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A results folder of which something was flipped, cut or edited says so by name, or is the same.
+// A results folder with a flipped, cut or edited file names that file, or has the same results.
 
 #include "ablation_fixture.hpp"
 
@@ -16,7 +16,7 @@ class DamagedFolder : public AblationTest {
     run(grid_, "out");
   }
 
-  /// What a report is made of.
+  /// The content from which a report is made.
   std::string content(const Results& results) const {
     std::string text = to_json(results.plan) + results.version +
                        std::to_string(results.match_tolerance_px) +
@@ -27,7 +27,7 @@ class DamagedFolder : public AblationTest {
     return text;
   }
 
-  /// What the folder says of its faults; "same" where it has the results that it had.
+  /// The faults that the folder reports; "same" if its results are unchanged.
   std::string said(const std::string& expected) const {
     const auto results = read_results(path("out"));
     if (!results) return results.error().where + ": " + results.error().message;

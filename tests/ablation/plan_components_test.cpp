@@ -12,8 +12,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using Texts = std::vector<std::string>;
 
-/// Axes of components. Of the scripted filters, test.scripted declares the sweep of `every` over 2,
-/// 3 and 5.
+/// Axes of components. Among the scripted filters, test.scripted declares the sweep of `every` over
+/// 2, 3 and 5.
 class PlanComponents : public weft::testing::PipelineTest {
  protected:
   std::string write_plan(const std::string& axes) const {

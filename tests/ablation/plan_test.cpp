@@ -15,9 +15,9 @@ using ::testing::StartsWith;
 
 const Helpers kHelpers{.frames_source = "sources/images", .picture_sink = {}};
 
-/// Plans with mistakes. Their first comments are what is expected, a line for each mistake:
-/// `# line:column: beginning of the message`, after the name of another file where it is not the
-/// plan.
+/// Plans with errors. Their first comments are the expected messages, a line for each error:
+/// `# line:column: beginning of the message`. The name of another file comes before it if the error
+/// is not in the plan.
 std::vector<std::string> wrong_plans() {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(WEFT_PLANS)) {
@@ -28,7 +28,7 @@ std::vector<std::string> wrong_plans() {
   return names;
 }
 
-/// The mistakes of a plan as the program prints them, without folders.
+/// The errors of a plan as the program prints them, without folders.
 std::vector<std::string> mistakes(const std::string& file, const host::Registry& registry) {
   auto [plan, report] = load_plan(file, registry, {}, kHelpers);
   if (report.ok()) report = Grid::expand(std::move(plan), registry, {}).second;

@@ -36,7 +36,7 @@ class Survival : public AblationTest {
   std::set<std::string> finished(const std::string& out) const {
     std::set<std::string> keys;
     if (!fs::exists(path(out + "/manifest.json"))) return keys;
-    const auto locked = ResultsFolder::open(path(out), "plan");  // nobody writes any more
+    const auto locked = ResultsFolder::open(path(out), "plan");  // without a writer
     EXPECT_TRUE(locked);
     const auto stored = read_cell_records(path(out), {});
     EXPECT_TRUE(stored);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What becomes a result, and how far a stored one is believed.
+// Conditions for a cell to become a result, and for a stored result to be trusted.
 
 #include <functional>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Nothing for nothing: what the host asks of the allocator in a frame like those before it.
+// The host allocates nothing in a frame like those before it.
 #include <gmock/gmock.h>
 
 #include "host/calling/allocation_count.hpp"
@@ -19,7 +19,7 @@ class FrameAllocations : public testing::PipelineTest {
     registry_ = host::Registry::scan({{WEFT_TEST_PLUGINS, "test"}, {WEFT_STILL_PLUGINS, "test"}});
   }
 
-  /// What the frames behind the warm ones asked for, the source's part included: blocks of each.
+  /// Blocks allocated in each frame behind the warm ones, the source's part included.
   std::vector<std::uint64_t> blocks_of_warm_frames(const std::string& stages,
                                                    const std::string& options = "") {
     const std::string text =

@@ -22,7 +22,7 @@ struct Kept {
 };
 
 struct Still {
-  std::uint64_t of = 0;                      ///< the component that is asked
+  std::uint64_t of = 0;                      ///< the component that it calls
   std::uint8_t asks = 0;                     ///< in each call, instead of keeping its first answer
   std::array<std::list<Kept>, 3> answers{};  ///< by method
   std::array<bool, 3> is_known{};
@@ -38,7 +38,7 @@ std::size_t bytes_of(const weft_array& array) {
   return bytes;
 }
 
-/// `role` with the id of the component that is asked where none is given.
+/// Declares `role`, whose default is the component `usual`.
 std::int32_t declare(const weft_describe* sink, const char* role, const char* usual) {
   weft_parameter of{};
   of.struct_size = sizeof(of);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times of SIFT and of matching on the first OpenCL device. Times are of whole calls, transfers
-// included, those of the image's descriptors to the device too; the template's are there. For SIFT,
-// counters say how long the device was busy with kernels, and how many bytes would move if every
-// layer of the pyramid were written and read once.
+// Times of SIFT and of matching on the first OpenCL device. Each time covers a whole call. It
+// includes transfers, also of the image's descriptors to the device; the template's are there. For
+// SIFT, counters report how long kernels kept the device busy. They also report the bytes that
+// would move if every layer of the pyramid were written and read once.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the host takes beside its components: a call, a call of another process, a death, a start.
-// Each figure is a median, and what is compared is measured by turns, in the same seconds.
+// Overhead of the host: a call, a call of another process, a death, a start. Each figure is a
+// median. Compared variants are measured by turns, in the same seconds.
 #include <benchmark/benchmark.h>
 #include <fcntl.h>
 #include <spawn.h>
@@ -83,7 +83,7 @@ class IdleContext {
 
 host::Isolation isolated() { return {WEFT_WORKER, {}}; }
 
-/// What a call would be without a contract.
+/// The same call without a contract.
 struct Callee {
   virtual ~Callee() = default;
   virtual int call(int value) = 0;
@@ -124,7 +124,7 @@ void warm_call(benchmark::State& state) {
   }
   state.counters["call_ns"] = median(calls_ns);
   state.counters["virtual_ns"] = median(virtual_ns);
-  state.counters["clocks_ns"] = median(clocks_ns);  // of the wall and the processor, in each call
+  state.counters["clocks_ns"] = median(clocks_ns);  // wall clock and CPU clock in each call
   state.counters["beyond_ns"] = median(calls_ns) - median(virtual_ns);
   state.counters["allocations_a_call"] = static_cast<double>(allocated) / kCalls;
 }
@@ -171,7 +171,7 @@ void death(benchmark::State& state, int prepare_ms, bool keeps_spare) {
   std::vector<double> ms;
   for (auto each : state) {
     idle.context.call(far, 0, inputs, 0);
-    // So long the worker lived; a spare is there by now.
+    // The worker lives this long before its death, and a spare is ready.
     std::this_thread::sleep_for(std::chrono::milliseconds(2 * prepare_ms + 100));
     const auto start = Clock::now();
     const bool died = idle.context.call(far, 0, inputs, 1).status == WEFT_ERROR;
@@ -184,7 +184,7 @@ void death(benchmark::State& state, int prepare_ms, bool keeps_spare) {
   state.counters["answer_max_ms"] = percentile(ms, 100.0);
 }
 
-/// What a program took: on the wall, and of the processor.
+/// Wall-clock time and CPU time of a program.
 struct Took {
   double ms = 0.0, processor_ms = 0.0;
 };
@@ -230,7 +230,7 @@ std::string text_of(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-/// One library under so many names, each with a manifest and ids of its own.
+/// Copies one library to this number of files, each with a separate manifest and ids.
 void fill(const fs::path& folder, int count) {
   const fs::path built = WEFT_IDLE_PLUGINS;
   for (const auto& entry : fs::directory_iterator(built)) {

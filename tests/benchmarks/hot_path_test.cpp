@@ -8,7 +8,7 @@
 namespace weft::bench {
 namespace {
 
-/// What one warm call allocates, the host's records included.
+/// Allocations of one warm call, the host's records included.
 std::uint64_t allocations_of(Component& component, const host::NamedRecords& inputs) {
   for (int i = 0; i < 2; ++i) component.call(inputs);
   const std::uint64_t before = host::allocations_of_process().blocks;

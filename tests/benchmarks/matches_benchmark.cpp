@@ -33,7 +33,7 @@ void filter(benchmark::State& state, const char* id) try {
   state.SkipWithError(error.what());
 }
 
-/// Matches on a smooth sheet.
+/// Matches on a smooth surface.
 testing::LabelledMatches smooth_matches(const SheetScene& scene, int count, double noise_px,
                                         std::uint64_t seed) {
   Rng rng(seed);
@@ -41,8 +41,8 @@ testing::LabelledMatches smooth_matches(const SheetScene& scene, int count, doub
                                {count, 1.0, noise_px}, rng);
 }
 
-/// The fit; and the rms distance [px] between where a warp takes other places and their true
-/// images, over sheets with matches of their own.
+/// The fit; and the RMS distance [px] between a warp's predictions at other places and their true
+/// images. Each surface has separate matches.
 void warp(benchmark::State& state, const NamedWarp& named) try {
   constexpr int kSheets = 20;
   const SheetScene scene;

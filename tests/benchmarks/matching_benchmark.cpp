@@ -13,8 +13,8 @@ namespace {
 
 constexpr int kTemplateKeypoints = 1500, kImageKeypoints = 4000;
 
-/// The first half of the template's keypoints seen where the sheet has them, the rest of the image
-/// full of others.
+/// The first half of the template's keypoints at their places on the surface; other keypoints fill
+/// the rest of the image.
 struct Sight {
   SheetScene scene;
   Keypoints templ = descriptors(kTemplateKeypoints, 1);

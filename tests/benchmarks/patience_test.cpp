@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Components on large input ask again and again whether to go on, and stop where they are told to.
-// Time is not measured: what counts is how often they ask, which follows from the input.
+// Components on large input check repeatedly for cancellation, and stop at the check that requests
+// it. Time is not measured: the number of checks counts, which follows from the input.
 #include <gtest/gtest.h>
 
 #include <iostream>
@@ -20,7 +20,7 @@ using testing::PluginUnderTest;
 struct Work {
   std::string id, params;
   std::vector<Input> inputs;
-  int least_asks = 3;  ///< of a call on that input
+  int least_asks = 3;  ///< minimum for one call on that input
   int method = 0;
 };
 
@@ -31,7 +31,7 @@ class Patience {
     if (!ready) ADD_FAILURE() << work.id << ": " << ready.error().message;
   }
 
-  /// Calls until the end, or until it is told to stop with its `last` question.
+  /// Calls until the end, or until the check with number `last` requests a stop.
   PluginAnswer call(int last = 0) {
     asks_ = 0;
     plugin_.watch([this, last] { return ++asks_ >= last && last > 0; });
@@ -57,7 +57,7 @@ void expect_patience(const Work& work, const SheetScene& scene) {
   std::cout << work.id << " asks " << asks << " times\n";
   ASSERT_GE(asks, work.least_asks);
   for (const int last : {1, (asks + 1) / 2, asks}) {
-    Patience patience(work, scene);  // what a first call keeps the next one need not do again
+    Patience patience(work, scene);  // new: a later call may reuse results of the first
     EXPECT_EQ(patience.call(last).status, WEFT_CANCELLED) << "told so by ask " << last;
     EXPECT_LE(patience.asks(), last + 2) << "went on after it was told to stop";
     EXPECT_EQ(patience.call().status, whole.status) << "something half done was left behind";

@@ -11,28 +11,28 @@
 
 namespace weft::bench {
 
-/// A bent sheet, of 10 x 6 vertices unless said, in a 640x480 image, and what stages are given of
-/// it.
+/// A bent surface in a 640x480 image, with the inputs of the stages. It has 10 x 6 vertices by
+/// default.
 struct SheetScene {
   Camera camera = testing::make_camera();
   Template templ;
   Points3 truth_m;  ///< [V,3] m, camera frame
-  Shape previous;   ///< of a pose a little apart
+  Shape previous;   ///< slightly different pose
   Sightlines sightlines;
 
   explicit SheetScene(const testing::SheetSpec& sheet = {});
 
-  /// Matches of which `correct_rate` are correct, with noise of half a pixel.
+  /// Matches with noise of half a pixel; `correct_rate` is the share of inliers.
   Correspondences matches(int count, double correct_rate) const;
 };
 
 /// Random descriptors like SIFT's: 128 whole numbers that together have the length 512.
 Keypoints descriptors(int count, std::uint64_t seed);
 
-/// Random descriptors, of which the first half of the template's are noisy copies.
+/// Random descriptors; the first half of the template's descriptors appear as noisy copies.
 Keypoints descriptors_seen(const Keypoints& templ, int count, std::uint64_t seed);
 
-/// The first frame of sources/synthetic: a textured sheet before a cluttered background, 640x480.
+/// The first frame of sources/synthetic: a textured surface before a cluttered background, 640x480.
 host::RecordPtr synthetic_image();
 
 }  // namespace weft::bench

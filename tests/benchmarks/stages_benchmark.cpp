@@ -44,7 +44,7 @@ void myneighbor(benchmark::State& state) {
       {{"correspondences", record_of(matches)}, {"template", record_of(scene.templ)}});
 }
 
-/// Fit and, as the host asks after each fit, evaluation at the template's vertices.
+/// The fit, and the evaluation at the template's vertices that the host requests after each fit.
 void bbs_fit_and_evaluate(benchmark::State& state) {
   const SheetScene scene;
   Component warp("warps/bbs", "{}", scene.templ, scene.camera);
@@ -76,7 +76,7 @@ void particle_sft(benchmark::State& state, bool tracked) {
   run(state, solver, inputs);
 }
 
-/// One iteration from the true shape: with and without are the covariances apart.
+/// One iteration from the true shape; with and without differ by the covariances.
 void covariance(benchmark::State& state, const char* params) {
   const SheetScene scene({static_cast<int>(state.range(0)), static_cast<int>(state.range(1))});
   Component solver("solvers/particle_sft", params, scene.templ, scene.camera);
@@ -98,7 +98,7 @@ void brunet_mdh(benchmark::State& state) {
        {"sightlines", record_of(scene.sightlines)}});
 }
 
-/// A rolled sheet whose ends are hidden, with its matches.
+/// A rolled surface whose ends are hidden, with its matches.
 void self_occlusion(benchmark::State& state) {
   const testing::SheetSpec sheet{static_cast<int>(state.range(0)),
                                  static_cast<int>(state.range(1))};

@@ -388,7 +388,7 @@ class SaysWhatIsWrong(SlurmTest):
         here.rename(self.plugins)
         self.assertEqual(self.planned.lines(self.out), 0)
         said = self.status()
-        self.assertRegex(said, r"left: .*: 2 cells have other keys here: components are of another "
+        self.assertRegex(said, r"left: .*: 2 cells have other keys here: components from another "
                                r"build: \w+/test\.\w+")
         self.assertIn("plugin 'sources/test.scripted'", said)
         self.assertIn(f"{CELLS} left", said)

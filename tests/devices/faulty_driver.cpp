@@ -11,7 +11,7 @@ Function* real(Function* /*same_type*/, const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
 }
 
-// The functions by which contexts are asked for stand under no fault: these are the loader's.
+// No fault is planned for the functions that query contexts: these are the loader's.
 cl_context context_of(cl_context context) { return context; }
 cl_context context_of(cl_command_queue queue) {
   cl_context context = nullptr;
@@ -130,7 +130,7 @@ cl_int FaultyDriver::refusal(cl_event event, cl_context context) {
 
 }  // namespace weft::sift_gpu
 
-// Each is told apart by its own name, __func__.
+// Each function identifies itself by its own name, __func__.
 #pragma GCC visibility push(default)
 extern "C" {
 using weft::sift_gpu::call;
@@ -172,7 +172,7 @@ cl_int clBuildProgram(cl_program program, cl_uint count, const cl_device_id* dev
                       void* user) {
   const cl_int refusal =
       weft::sift_gpu::FaultyDriver::get().refusal(__func__, weft::sift_gpu::context_of(program));
-  // Built all the same: its log is asked for.
+  // The program is built even so, because its log is requested.
   const cl_int status = weft::sift_gpu::real(&clBuildProgram, __func__)(program, count, devices,
                                                                         options, notify, user);
   return refusal != CL_SUCCESS ? refusal : status;

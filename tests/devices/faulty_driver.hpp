@@ -14,8 +14,9 @@
 namespace weft::sift_gpu {
 
 /// The driver of this machine with faults on demand. This program defines functions of OpenCL
-/// itself: they stand before those of the loader, for the libraries it loads too, and ask here
-/// before they hand a call on. Only answers are false: what was handed on is carried out.
+/// itself. They take precedence over the loader's functions, also in the libraries that the program
+/// loads, and consult this class before they forward a call. Only return values are false: a
+/// forwarded call is executed.
 class FaultyDriver {
  public:
   static FaultyDriver& get();
@@ -28,25 +29,25 @@ class FaultyDriver {
   void refuse_all(const std::string& function, cl_int code) {
     plan(Fault{function, 1, code, Fault::always});
   }
-  /// With the n-th call of a function its context is lost: whatever is asked of that, and of its
-  /// programs, queues and events, answers `code`.
+  /// With the n-th call of a function its context is lost. Every later call on that context, its
+  /// programs, queues and events returns `code`.
   void lose(const std::string& function, int nth, cl_int code) {
     plan(Fault{function, nth, code, Fault::lost});
   }
-  /// The event of the n-th wait, counted from now on, is said to be running until work().
+  /// The driver reports the event of the n-th wait, counted from now on, as running until work().
   void hang(int nth_wait) { plan(Fault{kWait, nth_wait, CL_RUNNING, Fault::hangs}); }
 
   /// No more faults, and counts from nothing; what was lost stays so.
   void work();
 
-  /// Calls of each function that were counted. A wait asks the same event over and over: that is
-  /// one call of clGetEventInfo.
+  /// Counted calls of each function. A wait polls the same event repeatedly, which counts as one
+  /// call of clGetEventInfo.
   std::map<std::string, int> calls() const;
   int calls(const std::string& function) const;
-  /// How often it was said that the event of hang() is running.
+  /// How often the driver reported the event of hang() as running.
   int put_off() const;
 
-  /// What a call that concerns `context` is to answer; CL_SUCCESS: it is handed on.
+  /// The return value for a call that concerns `context`; CL_SUCCESS: the call is forwarded.
   cl_int refusal(const std::string& function, cl_context context);
   /// Likewise for a question about an event; CL_RUNNING is no refusal.
   cl_int refusal(cl_event event, cl_context context);

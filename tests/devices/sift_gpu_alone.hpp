@@ -19,7 +19,7 @@ inline PluginAnswer detect(PluginUnderTest& plugin, const Image& image) {
   return plugin.process(0, {testing::input("image", image)});
 }
 
-/// Whether two answers are equal to the bit; false if either has no keypoints.
+/// True if two answers are equal to the bit; false if either has no keypoints.
 inline bool same_keypoints(const PluginAnswer& a, const PluginAnswer& b) {
   const auto first = a.get<Keypoints>(), second = b.get<Keypoints>();
   if (a.status != WEFT_OK || b.status != WEFT_OK || !first || !second) return false;

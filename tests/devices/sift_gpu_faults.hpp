@@ -22,7 +22,7 @@ struct LeaksOnPurpose {};
 #endif
 
 inline constexpr std::uint64_t kSeed = 91;
-// Calls of one function in one frame, of which not each is tried.
+// If a frame has more calls of one function than kMany, only samples of them are tried.
 #if defined(WEFT_SANITIZED)
 inline constexpr int kMany = 6, kSamples = 3;
 #else
@@ -69,8 +69,8 @@ class FaultsTest : public ::testing::Test {
   };
   using Fail = void (FaultyDriver::*)(const std::string&, int, cl_int);
 
-  /// Counts what a clean frame asks of the driver, and has each call of that `fail` in turn, `but`
-  /// for those of some functions.
+  /// Counts the driver calls of a clean frame, and makes each of them `fail` in turn, except for
+  /// the functions in `but`.
   void fail_each(const char* what, const Frame& frame, Fail fail,
                  const std::set<std::string>& but = {}) {
     constexpr cl_int kCodes[] = {CL_OUT_OF_RESOURCES, CL_MEM_OBJECT_ALLOCATION_FAILURE,

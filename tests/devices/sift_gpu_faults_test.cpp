@@ -18,7 +18,7 @@ class DetectorFaults : public FaultsTest {
     detector_.forget();
     return sift_gpu::detect(detector_, image_);
   }
-  /// So that the next frame opens the device anew.
+  /// Makes the next frame open the device anew.
   void lose_device() {
     driver_.refuse("clEnqueueNDRangeKernel", 1, CL_OUT_OF_RESOURCES);
     EXPECT_EQ(detect().status, WEFT_ERROR);

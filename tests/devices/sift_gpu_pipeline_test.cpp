@@ -92,7 +92,7 @@ class GpuPipeline : public ::testing::Test {
     return json::parse(read_text(path("metrics.json")));
   }
 
-  /// What frames.jsonl says of a stage, frame by frame.
+  /// The entries of a stage in frames.jsonl, frame by frame.
   static std::vector<json> reports(const std::string& out, const std::string& stage) {
     std::vector<json> found;
     std::ifstream lines(path(out + "/frames.jsonl"));

@@ -58,7 +58,7 @@ TEST(SiftGpuPlugin, RefusesAnImageForWhichTheDeviceIsTooSmallAndTakesTheNext) {
   };
   int side = 64;
   while (!too_large(side)) side *= 2;
-  // Every row is the same memory: nobody needs the whole image.
+  // Every row is the same memory: the test does not need the whole image.
   const std::vector<std::uint8_t> row(to_index(side), 128);
   Image huge;
   huge.pixels = Array<std::uint8_t>::borrow(row.data(), 2, {side, side}, 0);
@@ -76,7 +76,7 @@ TEST(SiftGpuPlugin, RefusesAnImageForWhichTheDeviceIsTooSmallAndTakesTheNext) {
   EXPECT_TRUE(same_keypoints(detect(plugin, image), expected));
 }
 
-/// A GPU has answered before it is first asked whether to go on.
+/// A GPU may answer before the first check for cancellation.
 bool may_be_too_fast() {
   return (all_devices().front().getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_GPU) != 0;
 }
@@ -85,7 +85,7 @@ TEST(SiftGpuPlugin, StopsWhenItsCallIsCancelledAndAnswersTheNext) {
   const Image image = texture(160, 120, 83);
   PluginUnderTest plugin("detectors/sift_gpu"), other("detectors/sift_gpu");
   const PluginAnswer expected = detect(other, image);
-  detect(plugin, image);  // opened, so that what is cancelled is the work
+  detect(plugin, image);  // opens the device, so that the work is cancelled
   for (int i = 0; i < 3; ++i) {
     plugin.cancel() = true;
     const PluginAnswer outcome = detect(plugin, image);

@@ -114,7 +114,7 @@ def two_pictures(rng: Random) -> tuple[str, bytes, str]:
     at = rng.randrange(first + 1, len(lines))
     lines[at:at] = ["usemtl b"]
     lines[first:first] = ["mtllib m.mtl", "usemtl a"]
-    return "mesh.obj", as_bytes(lines), "with 2 pictures, but a template has one"
+    return "mesh.obj", as_bytes(lines), "with 2 images, but a template has one"
 
 
 LIBRARY = b"newmtl a\nmap_Kd a.png\nnewmtl b\nmap_Kd b.png\n"

@@ -237,7 +237,7 @@ class Attacks:
             return rng.choice(control)
         # None that pauses or ends the run.
         change = rng.choices(["dance", "set nothing.at_all=1", "set filters.every=-5"], [8, 1, 1])[0]
-        said = rng.choice([{"type": "ready"}, {"type": "wish", "number": rng.randrange(9),
+        said = rng.choice([{"type": "ready"}, {"type": "change_request", "number": rng.randrange(9),
                                                "text": change}])
         if protocol in (FOXGLOVE, SDK):
             subscription = {"id": rng.randrange(9), "channelId": rng.randrange(7)}
@@ -282,10 +282,10 @@ class Attacks:
         said = rng.choice([
             b"", b"hello", b"[", b"[1]", b"7", b'"ready"', b"null", b'{"type":"ready"',
             b'{"type":"ready"}}', b"[" * rng.randrange(1, 30_000), b"{}", b'{"type":7}',
-            b'{"type":"stop"}', b'{"type":NaN}', b'{"type":"wish","text":"dance"}',
-            json.dumps({"type": "wish", "number": number, "text": "dance"}).encode(),
-            b'{"type":"wish","number":1}', b'{"type":"wish","number":1,"text":null}',
-            b'{"type":"wish","number":1,"text":"a\\u0000b"}'])
+            b'{"type":"stop"}', b'{"type":NaN}', b'{"type":"change_request","text":"dance"}',
+            json.dumps({"type": "change_request", "number": number, "text": "dance"}).encode(),
+            b'{"type":"change_request","number":1}', b'{"type":"change_request","number":1,"text":null}',
+            b'{"type":"change_request","number":1,"text":"a\\u0000b"}'])
         if rng.random() < 0.1:
             return self.conversation(rng, "wrong message", masked(0x82, said), POLICY_ERROR,
                                      protocol=LIVE)

@@ -145,8 +145,8 @@ class Session:
             asked.close()
             with Viewer(self.run.port, TOKEN) as viewer:
                 refusal = viewer.insist("dance")
-                if "no run knows 'dance'" not in refusal:
-                    found.append(f"a wish is answered by: {refusal}")
+                if "no run accepts 'dance'" not in refusal:
+                    found.append(f"a change request is answered by: {refusal}")
                 if refusal := viewer.insist("pause"):
                     found.append(f"a pause is refused: {refusal}")
         except Exception as failure:  # whatever it is, a right request has failed

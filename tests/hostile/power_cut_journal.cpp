@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loaded before a program (LD_PRELOAD), this library notes what of a folder has reached the disk,
-// and stops the program at a chosen moment: power_cuts.py makes of that what a power cut leaves.
+// This library is loaded before a program (LD_PRELOAD). It records which parts of a folder have
+// reached the disk, and stops the program at a chosen moment. From these records power_cuts.py
+// makes what a power cut leaves.
 //
 // Nothing is written to the disk here. A call of fsync() keeps a copy of the file, or a list of the
-// entries of the folder. Every call that changes the folder, and every fsync(), is a moment; at the
-// chosen one all processes halt before they change anything else.
+// entries of the folder. Every call that changes the folder, and every fsync(), is a moment. At the
+// chosen one all processes halt before they change the folder again.
 #include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `weft bench` as users start it: what it tells hangs together, whatever the times are.
+// `weft bench` as users start it: its output is consistent, whatever the times are.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -43,7 +43,7 @@ class Bench : public testing::PipelineTest {
     return weft(words);
   }
 
-  /// Of two pipelines, of which the first lacks the filter's matches in a frame.
+  /// Measurements of two pipelines; in one frame of the first, the filter has no matches.
   json measured() const {
     write(chain({{"sources", "{frames: 9}"}, {"matchers", "{no_result_at: [2]}"}}), "a.yaml");
     write(chain({{"sources", "{frames: 7}"}}), "b.yaml");
@@ -108,7 +108,7 @@ TEST_F(Bench, CountsWhatAFrameAllocatesAndTheMemoryOfAPipeline) {
     double most = 0.0;
     for (const json& each : pipeline["parts"]) {
       if (each["part"] == "sources" || each["part"] == "frame") continue;
-      if (each["part"] == "host") continue;  // it may ask for nothing
+      if (each["part"] == "host") continue;  // the host may allocate nothing
       EXPECT_GT(each["allocated_blocks"]["median"], 0.0) << each["part"];
       EXPECT_GT(each["allocated_bytes"]["median"], 0.0) << each["part"];
       most = std::max(most, each["allocated_bytes"]["median"].get<double>());

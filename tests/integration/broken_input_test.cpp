@@ -21,8 +21,8 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-/// The program with the real plugins on files that a camera, a disk or a user has spoilt. Four
-/// frames show a printed sheet that moves to the right in front of a grey wall.
+/// The program with the real plugins on files that a camera, a disk or a user has damaged. Four
+/// frames show a printed surface that moves to the right in front of a grey wall.
 class BrokenInput : public testing::PipelineTest {
  protected:
   static constexpr int kFrames = 4;
@@ -42,7 +42,7 @@ class BrokenInput : public testing::PipelineTest {
     return path("frames/" + std::to_string(index) + ".png");
   }
 
-  /// The wall, and the sheet with its corner at x_px.
+  /// The wall, and the surface with its corner at x_px.
   cv::Mat view(double x_px) const {
     cv::Mat image(480, 640, CV_8UC3, cv::Scalar(120, 120, 120));
     const cv::Mat place = (cv::Mat_<double>(2, 3) << 1.4, 0, x_px, 0, 1.4, 60);

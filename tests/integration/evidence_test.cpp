@@ -29,7 +29,7 @@ class Silent final : public RunObserver {
   void frame_done(const FrameResult&) override {}
 };
 
-/// A folder of its own, and pipelines that run into it.
+/// A separate folder, and pipelines that write into it.
 class Evidence : public ::testing::Test {
  protected:
   Evidence() {

@@ -14,9 +14,10 @@
 
 namespace weft::testing {
 
-/// A data set as others bring it: photographs of a flat print under known poses, each beside a
-/// smaller copy of the same print that is not the object, masks without the copy, and true points
-/// of the print's left half (`visible`) and of a surface 5 mm behind its right half (`hidden`).
+/// A data set in the form of third-party data: photographs of a flat texture under known poses.
+/// Each photograph also shows a smaller copy of the texture, which is not the object. The masks
+/// exclude the copy. True points are on the texture's left half (`visible`), and on a surface 5 mm
+/// behind its right half (`hidden`).
 class ForeignData {
  public:
   static constexpr int kWidthPx = 640, kHeightPx = 480;
@@ -56,7 +57,7 @@ class ForeignData {
     return {-std::sin(angle_of(frame)), 0.0, std::cos(angle_of(frame))};
   }
 
-  /// A grid of the left half of the print, or behind its right half.
+  /// A grid on the left half of the textured surface, or behind its right half.
   std::vector<Eigen::Vector3d> cloud(int frame, bool hidden) const {
     std::vector<Eigen::Vector3d> points;
     for (int j = 0; j < kRows; ++j) {
@@ -68,7 +69,7 @@ class ForeignData {
     return points;
   }
 
-  const cv::Mat& mask() const { return mask_; }  ///< of the last frame
+  const cv::Mat& mask() const { return mask_; }  ///< mask of the last frame
 
  private:
   static constexpr int kColumns = 40, kRows = 60;

@@ -177,8 +177,8 @@ TEST_F(ForeignDataTest, IsRefusedWithPlaceAndFixBeforeAnythingRuns) {
   fs::remove(path("set/masks/shot_1.png"));
   EXPECT_THAT(said("    region: set/masks/*.png\n"), HasSubstr("the frame 'shot_1' has no mask"));
   EXPECT_THAT(said("    truth: set/gt/visible/*\n    truth_parts: visble\n"),
-              HasSubstr("no truth file is of the part 'visble'"));
-  EXPECT_THAT(said("    truth: set/gt/*/*\n"), HasSubstr("tell them apart as parts"));
+              HasSubstr("no truth file has the part 'visble'"));
+  EXPECT_THAT(said("    truth: set/gt/*/*\n"), HasSubstr("distinguish them as parts"));
   write("v 0 0 1\n", "set/gt/visible/shot_1.obj");
   EXPECT_THAT(said("    truth: set/gt/visible/*\n"), HasSubstr("the extension '.obj' is unknown"));
 }

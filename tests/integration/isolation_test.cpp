@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stages in processes of their own, in runs as users start them.
+// Stages in separate processes, in runs as users start them.
 #include <gmock/gmock.h>
 #include <signal.h>
 
@@ -117,10 +117,10 @@ TEST_F(IsolationTest, WhatDidNotComeWithTheProgramHasProcessesOfItsOwnAndGivesTh
   for (const std::string choice : {"none", "auto", "all"}) {
     const Ended ended = run(file, path(choice), {"--isolate", choice});
     ASSERT_EQ(ended.exit_code, 0) << ended.err;
-    const bool tells = ended.err.find("templates/test.scripted") != std::string::npos &&
-                       ended.err.find(
-                           "run in processes of their own (--isolate none runs them "
-                           "here)") != std::string::npos;
+    const bool tells =
+        ended.err.find("templates/test.scripted") != std::string::npos &&
+        ended.err.find("run in separate processes (--isolate none runs them here)") !=
+            std::string::npos;
     EXPECT_EQ(tells, choice == "auto") << ended.err;
     written[choice] = read_text(lines);
     fs::remove(lines);
@@ -133,7 +133,7 @@ TEST_F(IsolationTest, WhatDidNotComeWithTheProgramHasProcessesOfItsOwnAndGivesTh
     EXPECT_EQ(said[choice], said["none"]);
   }
   EXPECT_NE(written["none"], "");
-  // The file in the run folder says it all: the same again, whatever is asked for.
+  // The file in the run folder is complete: --isolate does not change it.
   const Ended again = run(path("none/pipeline.yaml"), path("again"), {"--isolate", "all"});
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_THAT(read_text(path("again/pipeline.yaml")), Not(HasSubstr("isolate: process")));

@@ -27,7 +27,7 @@ class LostOutput : public testing::ShelledProgram {
     return weft("ulimit -f " + std::to_string(2 * kb) + R"( && exec "$0" "$@")", arguments);
   }
 
-  /// Frames of 160 x 120 px and what is drawn over them.
+  /// A pipeline with frames of 160 x 120 px and an overlay.
   static std::string overlay(int frames, const std::string& params,
                              const std::string& options = "max_failed: 1000") {
     return "weft: 1\n" + options +

@@ -45,7 +45,7 @@ class MatchGrid : public PipelineTest {
     return by_filter;
   }
 
-  /// The places of the repository's set with labels instead of true images, and nothing else.
+  /// Writes the places of the repository's set with only labels instead of true images.
   void write_labelled_set() const {
     fs::create_directories(path("labelled"));
     for (const auto& file : fs::directory_iterator(WEFT_PIPELINES "/data/match_set/matches")) {

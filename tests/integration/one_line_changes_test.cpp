@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a composer changes in the pipelines, line by line, with the program as users run it.
+// Line-by-line changes of the pipelines by a composer, with the program as users run it.
 #include <gmock/gmock.h>
 #include <stdlib.h>
 
@@ -128,11 +128,12 @@ TEST_F(OneLineChanges, WorkThatWouldBeLostIsRefusedWithTheFix) {
                                            "  - use: detectors/orb\n"
                                            "  - use: matchers/descriptor\n"));
   EXPECT_EQ(two.exit_code, 2);
-  EXPECT_EQ(two.err, path("pipeline.yaml") +
-                         ":15:5: nobody reads the correspondences of 'matchers', because "
-                         "'matchers#2' makes new ones; name it with as: NAME and take what it "
-                         "makes with from: {correspondences: NAME}, or leave out all that nobody "
-                         "reads: --set without=detectors,matchers\n");
+  EXPECT_EQ(
+      two.err,
+      path("pipeline.yaml") +
+          ":15:5: no component reads the correspondences of 'matchers', because 'matchers#2' makes "
+          "new ones; name it with as: NAME and take what it makes with from: {correspondences: "
+          "NAME}, or omit all unused ones: --set without=detectors,matchers\n");
   const Ended merged = weft("check", replaced(demo_, kMatcher,
                                               "  - use: matchers/descriptor\n"
                                               "  - use: detectors/orb\n"
@@ -141,7 +142,7 @@ TEST_F(OneLineChanges, WorkThatWouldBeLostIsRefusedWithTheFix) {
   EXPECT_EQ(merged.exit_code, 2);
   EXPECT_THAT(merged.err, AllOf(HasSubstr(":18:5: matchers/merge unites several"),
                                 HasSubstr("from: {correspondences: [matchers, matchers#2]}")));
-  // A filter that an extending file adds without saying where stands at the end.
+  // A filter that an extending file adds without a position comes last.
   const Ended late = weft("check", "weft: 1\nextends: " WEFT_PIPELINES
                                    "/sparse.yaml\nstages:\n"
                                    "  - {use: filters/myneighbor, as: again}\n");

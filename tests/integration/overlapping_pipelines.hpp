@@ -48,7 +48,7 @@ class OverlappingPipelines : public ::testing::Test {
       for (const auto& [name, content] : serial) {
         const auto found = other.find(name);
         ASSERT_NE(found, other.end()) << name << " is missing";
-        // Not EXPECT_EQ: nobody reads the bytes of a video.
+        // EXPECT_EQ would print the bytes of a video.
         EXPECT_TRUE(found->second == content)
             << name << " differs" << (name == "frames.jsonl" ? ":\n" + found->second : "");
       }
@@ -105,7 +105,7 @@ class OverlappingPipelines : public ::testing::Test {
           std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
     }
     contents.erase("trace.json");     // times, and which process is which
-    contents.erase("pipeline.yaml");  // says what is compared, as the sources of manifest.json do
+    contents.erase("pipeline.yaml");  // has the settings to compare; so do "sources"
     auto manifest = nlohmann::json::parse(contents["manifest.json"]);
     manifest.erase("sources");
     contents["manifest.json"] = manifest.dump();

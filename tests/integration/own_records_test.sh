@@ -70,7 +70,7 @@ grep -q "reads acme.sharpness/2, and 'sharpness' makes acme.sharpness/1" said ||
 
 sed -i 's/needs = "image acme.sharpness"/needs = "image"/' other/sharpness.cpp
 cmake --build otherwise >said 2>&1 && fail "a slot that kAbout does not name is taken"
-grep -q "its slot 'acme.sharpness' does not stand in kAbout.needs" said ||
+grep -q "its slot 'acme.sharpness' is missing in kAbout.needs" said ||
   fail "of a slot that is not named it says: $(cat said)"
 sed -i 's/needs = "image"/needs = "image acme.sharpness imgae"/' other/sharpness.cpp
 cmake --build otherwise >said 2>&1 && fail "a slot that nobody makes is taken"

@@ -76,7 +76,8 @@ TEST_F(PointsOut, OnABrokenPipeAreAnErrorOfTheirSinkAndTheRunContinues) {
       weft(R"(("$0" "$@"; echo $? > code) | head -n 1)", {"run", file, "--out", "run"});
   EXPECT_EQ(read_lines(path("code")), std::vector<std::string>{"1"});
   EXPECT_EQ(read_lines(path("printed.out")).size(), 1U);
-  EXPECT_THAT(ended.err, HasSubstr("nobody reads /dev/stdout any more: keep its reader running"));
+  EXPECT_THAT(ended.err,
+              HasSubstr("no component reads /dev/stdout any more: keep its reader running"));
   EXPECT_EQ(read_lines(path("run/frames.jsonl")).size(), 400U);
 }
 
@@ -88,8 +89,8 @@ TEST_F(PointsOut, NeedADestinationThatWeftCheckCanUnderstand) {
   };
   EXPECT_THAT(answer("to: stdout"),
               HasSubstr("'stdout' begins neither with tcp:// nor with udp://; write tcp://"));
-  EXPECT_THAT(answer(""), HasSubstr("says neither 'to' nor 'path'"));
-  EXPECT_THAT(answer("to: 'tcp://127.0.0.1:5005', path: x"), HasSubstr("says both"));
+  EXPECT_THAT(answer(""), HasSubstr("has neither 'to' nor 'path'"));
+  EXPECT_THAT(answer("to: 'tcp://127.0.0.1:5005', path: x"), HasSubstr("has both"));
 }
 
 }  // namespace

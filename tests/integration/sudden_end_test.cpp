@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a component that ends the process leaves behind, in runs as users start them.
+// Files and reports after a component ends the process, in runs as users start them.
 #include <gmock/gmock.h>
 
 #include "support/child.hpp"
@@ -23,7 +23,7 @@ class SuddenEnd : public testing::PipelineTest {
     return Child(words, path("printed")).wait();
   }
 
-  /// Four frames; in the second one the filter does the deed, in the process of the host.
+  /// Four frames; in the second one the filter performs the action, in the process of the host.
   std::string of(const std::string& action) const {
     std::string text = testing::chain({{"sources", "{frames: 4}"}});
     const std::string filter = "{use: filters/test.scripted, params: {}}";
@@ -42,7 +42,7 @@ TEST_F(SuddenEnd, IsReportedWithStagePluginAndFrameAndIsNoSuccess) {
   for (const auto& [action, end] : actions) {
     const std::string out = path(action);
     const Ended ended = weft({"run", write(of(action)), "--out", out, "--quiet"});
-    // Sanitizers end a process of which a signal told them with an exit code.
+    // Sanitizers catch the signal and end the process with an exit code.
     EXPECT_NE(ended.exit_code, 0) << action;
     if (action == "quit" || action == "exit") {
       EXPECT_EQ(ended.exit_code, 4);
@@ -73,7 +73,7 @@ TEST_F(SuddenEnd, IsReportedForAComponentThatIsCalledBeforeTheRun) {
       const Ended ended = weft({command, file});
       EXPECT_EQ(ended.exit_code, 4) << command << ended.err;
       EXPECT_THAT(ended.err,
-                  HasSubstr("filters/test_leaving, asked by the checks of " + file + ": " + end))
+                  HasSubstr("filters/test_leaving, called by the checks of " + file + ": " + end))
           << command;
     }
   }

@@ -78,7 +78,7 @@ TEST_F(TemplateScale, IsDoubtedByDataInfoInTemplateAndTruth) {
       "truth: gt/*.csv}}\ntemplate: {use: templates/rectangular, params: {texture: frames/a.png, "
       "width_m: 42}}\n",
       "seen/sequence.yaml");
-  // Metres times 1e6 where millimetres are asked for, and metres as they are.
+  // Metres times 1e6 where millimetres are expected, and metres unchanged.
   for (const auto& [unit, size] : {std::pair{1e6, "297 m large"}, {1.0, "0.297 mm small"}}) {
     std::ostringstream points;
     points << "point_id,template_x_mm,template_y_mm,u_px,v_px,X_mm,Y_mm,Z_mm\n";
@@ -107,7 +107,8 @@ TEST_F(TemplateScale, OfAMeshInCentimetresNamesItsUnit) {
                                HasSubstr("0.01 for centimetres")));
 }
 
-/// The flat sheet of the demo as a mesh whose texture coordinates are off by a wave of 4 px (rms).
+/// The flat surface of the demo as a mesh whose texture coordinates are off by a wave of 4 px
+/// (rms).
 std::string wavy_sheet(double rms_px) {
   constexpr int kColumns = 29, kRows = 21;
   constexpr double kWidth_px = 842.0, kHeight_px = 595.0, kWidth_m = 0.297;
@@ -136,7 +137,7 @@ std::string wavy_sheet(double rms_px) {
   return text.str();
 }
 
-/// A rendered sheet at rest, matched with a template whose mesh is this file.
+/// A rendered surface at rest, matched with a template whose mesh is this file.
 std::string at_rest(const std::string& mesh, const std::string& texture) {
   return "weft: 1\nextends: " + kPipelines +
          "/sparse.yaml\nwithout: [overlay, meshes]\nsource: {params: {frames: 3, bend_per_m: 0, "

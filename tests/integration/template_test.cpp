@@ -141,7 +141,7 @@ TEST_F(TemplateCommand, CropsTheTextureToTheObject) {
       2);
 }
 
-/// The same picture left to right, as a PPM or PGM file.
+/// The same image mirrored left to right, as a PPM or PGM file.
 std::string mirrored_picture(const Template& templ) {
   const std::int64_t height = templ.texture.dim(0), width = templ.texture.dim(1);
   const std::int64_t channels = templ.texture.dim(2);
@@ -171,7 +171,7 @@ TEST_F(TemplateCommand, FindsMirroredImportsAndDrawsThem) {
         weft({"check", WEFT_PIPELINES "/label.yaml", "--set", "template.flip=" + std::string(flip),
               "--png", path(std::string(flip) + ".png")});
     EXPECT_EQ(checked.exit_code, 1) << flip << checked.err;
-    EXPECT_THAT(checked.out, HasSubstr("the mesh is mirrored against its picture")) << flip;
+    EXPECT_THAT(checked.out, HasSubstr("the mesh is mirrored against its image")) << flip;
     EXPECT_TRUE(read_text(path(std::string(flip) + ".png")).starts_with("\x89PNG"));
   }
   PluginUnderTest builder("templates/mesh", "{" + kLabel + "}");
@@ -179,7 +179,7 @@ TEST_F(TemplateCommand, FindsMirroredImportsAndDrawsThem) {
   const Ended picture = weft(
       {"check", WEFT_PIPELINES "/label.yaml", "--set", "template.texture=" + path("mirrored.ppm")});
   EXPECT_EQ(picture.exit_code, 1) << picture.err;
-  EXPECT_THAT(picture.out, HasSubstr("the picture of the texture is mirrored"));
+  EXPECT_THAT(picture.out, HasSubstr("the image of the texture is mirrored"));
 }
 
 const std::vector<std::string> kPhotograph{"--photo",  kData + "sheet_photo.jpg",
@@ -364,7 +364,7 @@ TEST_F(ObjectFilm, ShowsALabelThatIsCurvedAtRestAndOpens) {
   const auto same = align_points(label.vertices_m.matrix<3>(), rest.points_m.matrix<3>());
   ASSERT_TRUE(same);
   EXPECT_LT(same->rms, 1e-9);
-  // The middle bulges towards the camera, and the print is upright.
+  // The middle bulges towards the camera, and the texture is upright.
   const auto points = rest.points_m.matrix<3>();
   EXPECT_LT(points(7, 2), points(0, 2) - 0.03);
   EXPECT_LT(points(0, 0), points(14, 0));

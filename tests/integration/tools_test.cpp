@@ -30,7 +30,7 @@ using ::testing::StartsWith;
 
 constexpr const char* kLibrary = "sources_test.scripted";
 
-/// The program in a folder of its own.
+/// The program in a separate folder.
 class Tools : public testing::PipelineTest {
  protected:
   std::vector<std::string> command(const std::vector<std::string>& arguments,
@@ -275,7 +275,7 @@ TEST_F(Tools, ATraceShowsWhatRanInAWorker) {
   EXPECT_EQ(process_of["filters/warp"], "worker of filters");
   EXPECT_LE(span["filters"].first, span["filters/warp"].first);
   EXPECT_GE(span["filters"].second, span["filters/warp"].second);
-  // What a worker made is what this process makes.
+  // This process makes the same result as a worker.
   EXPECT_EQ(weft({"replay", "filters", path("run")}).exit_code, 0);
 }
 
@@ -352,7 +352,7 @@ TEST_F(ReplayTool, SaysWhatIsWrong) {
   write("no npz", "damaged/000000.npz");
   for (const Case& each : std::vector<Case>{
            {{"solver", path("run")}, 2, "did you mean 'solvers'?"},
-           {{"filters", path("run/dumps/solvers")}, 2, "the dump is of the stage 'solvers'"},
+           {{"filters", path("run/dumps/solvers")}, 2, "the dump has the stage 'solvers'"},
            {{"solvers", path("run"), "--params", "{distance: 1}"}, 2, "did you mean 'distance_m'?"},
            {{"solvers", path("run"), "--params", "{refuse: true}"}, 2, "refuses as scripted"},
            {{"solvers", path("run"), "--repeat", "0"}, 2, "--repeat"},

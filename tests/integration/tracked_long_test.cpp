@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Follows a sheet for 10,000 frames. It is detected only where tracking is in doubt.
+// Tracks a surface for 10,000 frames. It is detected only where tracking is in doubt.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -28,7 +28,7 @@ TEST_F(LongTracks, DoNotDrift) {
                                                    "  - {as: detectors, when: {every: 1000000}}\n");
   EXPECT_EQ(metrics.counts.solved(), kFrames);
   EXPECT_LT(metrics.all.solved_error.mean_mm, 0.75);
-  EXPECT_LT(metrics.all.solved_error.worst_mm, 0.02 * 364.0);  // of the diagonal: not wrong
+  EXPECT_LT(metrics.all.solved_error.worst_mm, 0.02 * 364.0);  // 2 % of the diagonal: not wrong
   EXPECT_LT(detected(), kFrames / 10);
 }
 

@@ -17,12 +17,12 @@ namespace weft::testing {
 /// pipelines/tracked.yaml, run and measured.
 class TrackedPipeline : public ::testing::Test {
  protected:
-  /// What is kept of a frame.
+  /// The recorded part of a frame's result.
   struct Seen {
     ShapeState state;
     StageStatus tracked;
     bool is_detected;    ///< the detector was called
-    std::string reason;  ///< of `tracked`
+    std::string reason;  ///< reason of the stage `tracked`
   };
 
   class Witness final : public RunObserver {
@@ -45,7 +45,7 @@ class TrackedPipeline : public ::testing::Test {
                 ("weft_tracked_" + std::to_string(getpid()))) {}
   ~TrackedPipeline() override { std::filesystem::remove_all(folder_); }
 
-  /// Without what only writes; `text` is laid over the pipeline.
+  /// Runs the pipeline without the sinks that only write; `text` overrides the pipeline.
   lab::RunMetrics measure(const std::string& pipeline, const std::string& text) {
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Follows sheets with pipelines/tracked.yaml and dense.yaml through what a tracker loses them by.
+// Tracks surfaces with pipelines/tracked.yaml and dense.yaml through events that make a tracker
+// lose them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +22,7 @@ class TrackedSheets : public testing::TrackedPipeline {
 TEST_F(TrackedSheets, AreDetectedEverySoManyFramesAloneAndDoNotDrift) {
   const auto metrics = measure("tracked.yaml", "source: {params: {frames: 100}}\n");
   EXPECT_EQ(metrics.counts.solved(), 100);
-  EXPECT_LT(metrics.all.solved_error.mean_mm, 0.44 * 1.05);  // of sparse.yaml
+  EXPECT_LT(metrics.all.solved_error.mean_mm, 0.44 * 1.05);  // sparse.yaml has 0.44 mm
   EXPECT_LT(metrics.all.solved_error.worst_mm, 1.5);
   for (std::size_t i = 0; i < witness_.frames.size(); ++i) {
     EXPECT_EQ(witness_.frames[i].is_detected, i % 30 == 0) << "frame " << i;
@@ -61,7 +62,7 @@ TEST_F(TrackedSheets, AreFollowedAtSpeedAndDetectedInTheFrameInWhichTheyAreTooFa
     EXPECT_EQ(frame.state, ShapeState::estimated) << "frame " << i;
     EXPECT_EQ(frame.is_detected, frame.tracked != StageStatus::ok) << "frame " << i;
   }
-  EXPECT_LT(too_fast.all.solved_error.worst_mm, 0.02 * 364.0);  // of the diagonal: not wrong
+  EXPECT_LT(too_fast.all.solved_error.worst_mm, 0.02 * 364.0);  // 2 % of the diagonal: not wrong
 }
 
 TEST_F(TrackedSheets, AreFollowedBehindAnArmOrDetected) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Components that can be loaded and then misbehave: each mistake is an error with the component's
+// Components that can be loaded and then misbehave: each violation is an error with the component's
 // id, for this call only.
 #include <gmock/gmock.h>
 

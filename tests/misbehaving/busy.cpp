@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spends what it is told to: processor time in some threads, or none while it sleeps.
+// Uses the CPU time that its parameters set in some threads, or none while it sleeps.
 #include <time.h>
 
 #include <chrono>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is no component is refused while it is built, in a sentence; what the headers promise of
-// compilers holds.
+// The compiler refuses an invalid component with a readable message. The headers' promises about
+// compilers hold.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -55,7 +55,7 @@ TEST(HeadersWithoutEigen, SayWhichOneMakesMatricesOfArrays) {
   }
 }
 
-/// What a library that is compiled with an option says of the processor.
+/// The CPU features that a library compiled with this option declares.
 std::set<std::string> features_with(const std::string& option, const TemporaryFolder& folder) {
   const std::string file = folder / "isa.cpp";
   write_file(file, "#include <weft/sdk/isa.hpp>\n");

@@ -35,7 +35,7 @@ TEST(RoleContract, FindsExceptionsInPrepareAndInCalls) {
   EXPECT_THAT(contract_of("filters/test_throws", "{in: prepare}").failures,
               Contains(HasSubstr("created and prepared: threw: the sky fell down")));
   EXPECT_THAT(contract_of("filters/test_throws", "{in: process}").failures,
-              Contains(HasSubstr("with a usual input: says error (threw: the sky fell down")));
+              Contains(HasSubstr("with a usual input: reports error (threw: the sky fell down")));
 }
 
 TEST(RoleContract, FindsOutputsThatAreAnnouncedAndNotMade) {
@@ -55,10 +55,10 @@ TEST(RoleContract, AcceptsADeviationThatIsSaidAndRefusesOneThatDoesNotOccur) {
       {.deviations = {"with matches that were rejected before", "with 1 match"},
        .plugin_folders = {kFolder}});
   EXPECT_THAT(report.deviations, Contains(HasSubstr("rejected before: it keeps match")));
-  EXPECT_THAT(report.failures, Contains("with 1 match: is said to deviate and holds"));
+  EXPECT_THAT(report.failures, Contains("with 1 match: is declared as a deviation, and passes"));
 }
 
-/// What `weft plugins check` prints, and its exit code.
+/// The exit code and the output of `weft plugins check`.
 std::pair<int, std::string> program_says(const std::string& arguments) {
   const std::string command = std::string(WEFT_PROGRAM) + " plugins check " + arguments + " 2>&1";
   FILE* program = popen(command.c_str(), "r");
@@ -73,7 +73,7 @@ TEST(RoleContract, ProgramSurvivesItsComponentsAndTellsByItsExitCode) {
   const auto [code, said] = program_says(
       "--brief " + kFolder + "/filters_test_throws.plugin.yaml --params '{in: process}'");
   EXPECT_EQ(code, 1);
-  EXPECT_THAT(said, HasSubstr("fails     contract/with_a_usual_input: says error (threw"));
+  EXPECT_THAT(said, HasSubstr("fails     contract/with_a_usual_input: reports error (threw"));
   EXPECT_THAT(said, HasSubstr("1 checked: 1 fail, 0 skipped"));
 }
 
@@ -96,7 +96,7 @@ TEST(RoleContract, ProgramFindsWhatDiffersInAWorker) {
   const auto [code, said] = program_says(id);
   unsetenv("WEFT_FAULT");
   EXPECT_EQ(code, 1);
-  EXPECT_THAT(said, HasSubstr("in a process of its own"));
+  EXPECT_THAT(said, HasSubstr("in a separate process"));
 }
 #endif
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Says ok and leaves out the output that it has promised.
+// Returns ok without the output that it has promised.
 #include <weft/sdk/pass.hpp>
 
 namespace {

@@ -63,7 +63,7 @@ TEST(DamagedFiles, BuildIdsAreReadOrTheFileIsRefused) {
   EXPECT_GT(other, 100);
 }
 
-/// How a process ends that loads this library and describes what is in it, as wait() says it.
+/// The wait() status of a process that loads this library and describes its content.
 int loaded_in_child(const std::string& file) {
   const pid_t child = fork();
   if (child == 0) {

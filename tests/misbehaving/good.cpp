@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Well-behaved components with a parameter of every kind: each says in its evidence what it was
+// Well-behaved components with a parameter of every kind: each records in its evidence what it was
 // given. They share a folder with the broken ones.
 #include <weft/sdk/filter.hpp>
 #include <weft/sdk/warp_model.hpp>
@@ -63,7 +63,7 @@ class Good final : public weft::Filter {
     const auto samples = weft::evaluate(in.call, *warp, {in.correspondences.template_px, 0});
     if (!samples) return samples.error();
     diag.set("shifted_u", n > 0 ? samples->xy_px(0, 0) : 0.0);
-    // What the nested warp was given, as it says in its record.
+    // The nested warp records its input.
     if (const auto* revision = warp->diag.find<std::int64_t>("template_revision")) {
       diag.set("template_revision", *revision);
     }
@@ -112,7 +112,7 @@ class Strict final : public weft::Filter {
   std::string model_;
 };
 
-/// x = u + shift, y = v: fails, if it is told so, in any of its methods.
+/// x = u + shift, y = v. Fails on demand in any of its methods.
 class Shift final : public weft::WarpModel {
  public:
   explicit Shift(weft::Params& p) {

@@ -3,7 +3,7 @@
 
 #include <weft/sdk/filter.hpp>
 
-/// What the libraries with a broken table contain: a filter that keeps nothing.
+/// The component of the libraries with a broken table: a filter that keeps nothing.
 class Idle final : public weft::Filter {
  public:
   explicit Idle(weft::Params&) {}

@@ -70,7 +70,7 @@ inline host::Refusal refusal_of(const host::Registry& registry, const std::strin
   return {};
 }
 
-/// A component as a pipeline would ask for it; the problems as "line:column: message".
+/// A component as a pipeline resolves it; the problems as "line:column: message".
 struct Resolved {
   std::optional<host::ComponentSpec> spec;
   std::vector<std::string> problems;
@@ -111,7 +111,7 @@ inline Correspondences make_matches(std::int64_t count) {
   return matches;
 }
 
-/// One filter of this folder in an execution context of its own.
+/// One filter of this folder in a separate execution context.
 class Subject {
  public:
   Subject(const host::Registry& registry, const std::string& id, const std::string& params = "{}")

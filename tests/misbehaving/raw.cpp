@@ -73,7 +73,7 @@ std::int64_t count_matches(const weft_record* inputs, std::uint64_t count) {
   return 0;
 }
 
-/// Asks for an array that the host must refuse; true when it did.
+/// Tries to allocate an array that the host must refuse; true when it did.
 bool is_refused(std::string_view mistake, const weft_call* call) {
   const auto alloc = call->host->alloc;
   const std::int64_t length[] = {3, 3, 3, 3, 3, 3, 3};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A component that misbehaves in the middle of a run costs one frame, and frames.jsonl says which
-// component did what.
+// A component that misbehaves in the middle of a run costs one frame. The file frames.jsonl names
+// the component and its error.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -15,7 +15,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// What a component does in frame 1 of 3, and what is to be said about it.
+/// An action of a component in frame 1 of 3, and the expected report.
 struct Misbehaviour {
   std::string name, id, params, reason;
 };
@@ -96,7 +96,7 @@ const Misbehaviour kMisbehaviours[] = {
     {"IndexOutOfRange", "passes/test.scripted", "{bad_vertex_at: [1]}",
      "has the index 30, the template has 30"},
     {"StateOutOfRange", "solvers/test.scripted", "{bad_state_at: [1]}",
-     "a solver may say estimated or weak only"}};
+     "a solver may set only estimated or weak"}};
 
 INSTANTIATE_TEST_SUITE_P(, MisbehaviourInARun, ::testing::ValuesIn(kMisbehaviours),
                          [](const auto& test) { return test.param.name; });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Throws where and what it is told.
+// Throws where its parameters specify, and what they specify.
 #include <algorithm>
 #include <new>
 #include <stdexcept>

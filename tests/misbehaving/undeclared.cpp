@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Uses inputs that it did not ask for.
+// Uses inputs that it did not declare.
 #include <algorithm>
 #include <weft/sdk/filter.hpp>
 

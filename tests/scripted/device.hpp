@@ -30,8 +30,8 @@ class RemoteNumbers {
   bool is_lost_;
 };
 
-/// The grid, with descriptors 1, 2, 3 ... that stay in this library's memory, whether it says so or
-/// not.
+/// The grid, with descriptors 1, 2, 3 ... that stay in this library's memory. Without `kSaysSo` the
+/// component does not declare that memory.
 template <bool kSaysSo>
 class DeviceDetector final : public weft::Detector {
  public:
@@ -104,7 +104,8 @@ class DescriptorReader final : public weft::Matcher {
   IndexMatcher pairs_;
 };
 
-/// A matcher that has another one read what was found on the device, or an array of its own.
+/// A matcher that passes the detector's device arrays, or an array that it makes itself, to another
+/// matcher.
 class HandingMatcher final : public weft::Matcher {
  public:
   static constexpr weft::About kAbout{.needs = "keypoints template_keypoints",

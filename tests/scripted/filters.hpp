@@ -10,13 +10,13 @@
 
 namespace scripted {
 
-/// What a component was given as previous shape, as evidence.
+/// Records the previous shape that a component was given, as evidence.
 inline void tell_previous(const std::optional<weft::Shape>& previous, weft::Diagnostics& diag) {
   diag.set("previous_state", previous ? previous->state : 0);
   diag.set("previous_age", previous ? static_cast<double>(previous->age_frames) : -1.0);
 }
 
-/// Rejects every so many matches.
+/// Rejects every n-th match.
 class EveryFilter final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{.reads = "previous.shape"};
@@ -96,7 +96,7 @@ class WarpedFilter final : public weft::Filter {
   weft::WarpComponent warp_{"warps/test.scripted"};
 };
 
-/// Reads the truth; whether it says so is the question.
+/// Reads the truth; it declares that input only with `kSaysSo`.
 template <bool kSaysSo>
 class TruthFilter final : public weft::Filter {
  public:

@@ -15,9 +15,9 @@
 
 namespace scripted {
 
-/// Lets a test know that a call runs, and holds the call until the test has seen it: while the
-/// file `gate` is there, a call writes its process id into `gate.arrived` and waits until that is
-/// taken away. A call ends when it is cancelled, unless there is a file `gate.deaf`.
+/// Signals to a test that a call runs, and blocks the call until the test has seen it. While the
+/// file `gate` exists, a call writes its process id into `gate.arrived` and waits until that file
+/// is removed. A call ends when it is cancelled, unless there is a file `gate.deaf`.
 class Gate {
  public:
   explicit Gate(weft::Params& p) {

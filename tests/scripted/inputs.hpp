@@ -14,7 +14,7 @@
 
 namespace scripted {
 
-/// Grey frames, with truth and a known point if asked for.
+/// Grey frames, with optional ground truth and an optional known point.
 class FrameSource final : public weft::Source {
  public:
   static constexpr weft::About kAbout{.produces = "image time known_points ground_truth"};
@@ -88,7 +88,7 @@ class FrameSource final : public weft::Source {
   bool is_open_ = false;
 };
 
-/// A flat sheet with cells of 20 texels, and what can be wrong with one.
+/// A flat surface with cells of 20 texels, with optional faults.
 class Sheet final : public weft::TemplateBuilder {
  public:
   explicit Sheet(weft::Params& p) : gate_(p) {

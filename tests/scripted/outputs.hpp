@@ -60,8 +60,8 @@ class LineSink final : public weft::Sink {
   std::ofstream stream_;
 };
 
-/// Wishes by script, and writes what became of each. While a change request waits frames take their
-/// time, so that the run still goes when it is granted, however busy the machine is.
+/// Requests changes by script, and writes the outcome of each. While a change request is pending,
+/// frames are slow, so that the run still continues when it is granted on a busy machine.
 class SteeringSink final : public weft::Sink {
  public:
   static constexpr weft::About kAbout{.reads = "frame_report run_settings"};

@@ -25,7 +25,7 @@ inline bool has(const Frames& frames, const weft::Call& call) {
   return std::find(frames.begin(), frames.end(), static_cast<double>(call.frame())) != frames.end();
 }
 
-/// What a component does instead of its work, frame by frame; every list is a parameter.
+/// Scripted actions that replace a component's work, frame by frame; every list is a parameter.
 class Script {
  public:
   explicit Script(weft::Params& p) {
@@ -65,7 +65,7 @@ class Script {
     return std::nullopt;
   }
 
-  /// The value, flagged where the script says so.
+  /// The value, flagged in the frames that the script lists.
   template <class RecordType>
   weft::Result<RecordType> answer(const weft::Call& call, RecordType typed) const {
     if (has(degenerate_, call)) {
@@ -75,12 +75,12 @@ class Script {
     return typed;
   }
 
-  /// A number that is NaN where the script says so.
+  /// A number that is NaN in the frames that the script lists.
   double number(const weft::Call& call, double value) const {
     return has(nan_, call) ? std::numeric_limits<double>::quiet_NaN() : value;
   }
 
-  /// A length that is one too long where the script says so.
+  /// A length that is one too long in the frames that the script lists.
   std::int64_t length(const weft::Call& call, std::int64_t value) const {
     return value + (has(wrong_length_, call) ? 1 : 0);
   }
@@ -92,7 +92,7 @@ class Script {
   std::string doubt_;
 };
 
-/// The scene: texel (u, v) is seen at `kScale` * (u, v) + `kShift_px`, by a sheet that faces the
+/// The scene: texel (u, v) is seen at `kScale` * (u, v) + `kShift_px`, on a surface that faces the
 /// camera.
 inline constexpr double kFocal_px = 100.0;
 inline constexpr double kPitch_m = 0.001;

@@ -115,7 +115,7 @@ class VertexPass final : public weft::Pass {
   Frames bad_vertex_, silent_;
 };
 
-/// Tells what was fed back to it.
+/// Reports which records were fed back to it.
 class MemoryPass final : public weft::Pass {
  public:
   static constexpr weft::About kAbout{

@@ -14,7 +14,7 @@
 
 namespace weft::testing {
 
-/// What the source of a pipeline gives, as a program would have it.
+/// The output of a pipeline's source, as a program would have it in memory.
 struct InMemory {
   Camera camera;
   std::vector<Image> images;
@@ -39,7 +39,7 @@ struct InMemory {
   }
 };
 
-/// What pipelines made of all these images; it ends with the first that is refused.
+/// Results of a pipeline for all these images; it ends with the first refused one.
 inline std::vector<ProcessedFrame> processed(Pipeline& pipeline, const InMemory& given) {
   std::vector<ProcessedFrame> frames;
   for (std::size_t i = 0; i < given.images.size(); ++i) {

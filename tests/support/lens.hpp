@@ -14,7 +14,7 @@ struct Lens {
   double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0;
   int width_px = 0, height_px = 0;
 
-  /// Of an ideal camera with focal length 1, to the lens's.
+  /// Maps a point of an ideal camera with focal length 1 to its distorted position.
   Eigen::Vector2d distorted(const Eigen::Vector2d& p) const {
     const double x = p.x(), y = p.y(), r2 = x * x + y * y;
     const double radial = 1.0 + r2 * (k1 + r2 * k2);
@@ -34,7 +34,7 @@ struct Lens {
   }
 };
 
-/// Of an ordinary camera.
+/// The lens of an ordinary camera.
 inline Lens usual_lens() {
   return {612.0, 608.0, 331.5, 236.2, -0.21, 0.08, 0.0012, -0.0007, 640, 480};
 }
@@ -60,8 +60,8 @@ inline BoardPose board_pose(const Lens& lens, const Eigen::Vector2d& middle_m,
   return pose;
 }
 
-/// Poses as somebody takes them who does it well: view i is tilted to one of four sides by 18 to 38
-/// degrees, and its middle is in one of nine parts of the image.
+/// Poses as a careful user takes them. View i is tilted to one of four sides by 18 to 38 degrees,
+/// and its middle is in one of nine parts of the image.
 inline BoardPose good_pose(const Lens& lens, const Eigen::Vector2d& middle_m, double distance_m,
                            int i, Rng& rng) {
   constexpr double kDegree = std::numbers::pi / 180.0;

@@ -139,16 +139,16 @@ class Viewer:
         return head_of(message)
 
     def insist(self, text: str) -> str:
-        """Wishes until the run has room for it; why it refuses, or nothing."""
+        """Requests until the run has room for it; why it refuses, or nothing."""
         end = time.monotonic() + PATIENCE_S
-        while "wish again" in (refusal := self.request(text)["refusal"]) and time.monotonic() < end:
+        while "send again" in (refusal := self.request(text)["refusal"]) and time.monotonic() < end:
             time.sleep(0.02)
         return refusal
 
     def request(self, text: str) -> dict:
-        """Wishes, and gives the answer."""
+        """Sends a change request, and gives the answer."""
         self.requests += 1
-        self.say(type="wish", number=self.requests, text=text)
+        self.say(type="change_request", number=self.requests, text=text)
         while True:
             message = self.read()
             if isinstance(message, dict) and message.get("number") == self.requests:

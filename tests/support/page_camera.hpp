@@ -17,7 +17,7 @@ namespace weft::testing {
 /// The page on which `weft calibrate board` prints.
 constexpr double kPageWidth_mm = 297.0, kPageHeight_mm = 210.0;
 
-/// The black rectangles of a page, from its PDF, as a grey picture.
+/// The black rectangles of a page, from its PDF, as a grey image.
 inline cv::Mat picture_of_page(const std::string& pdf, int px_per_mm) {
   cv::Mat picture(static_cast<int>(kPageHeight_mm) * px_per_mm,
                   static_cast<int>(kPageWidth_mm) * px_per_mm, CV_8U, cv::Scalar(235));
@@ -33,8 +33,8 @@ inline cv::Mat picture_of_page(const std::string& pdf, int px_per_mm) {
   return picture;
 }
 
-/// What a lens sees of a page on a grey table: each pixel is the mean of some rays, somewhat
-/// blurred, with noise.
+/// A page on a grey table through a lens: each pixel is the mean of some rays, slightly blurred,
+/// with noise.
 class PageCamera {
  public:
   /// `page`: [H,W] or [H,W,3] u8, from edge to edge; `rays_a_side`: of a pixel.

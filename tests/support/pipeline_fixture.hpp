@@ -39,7 +39,7 @@ inline std::string head(const std::string& source_params = "{}") {
          "}\ntemplate: {use: templates/test.scripted}\n";
 }
 
-/// "line:column: message" of each mistake.
+/// "line:column: message" of each error.
 inline std::vector<std::string> lines(const ConfigReport& report) {
   std::vector<std::string> result;
   for (const yaml::Problem& problem : report.problems) {

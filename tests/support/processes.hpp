@@ -14,7 +14,7 @@
 
 namespace weft::testing {
 
-/// The state of a process, such as 'Z' for one that nobody has waited for, and its parent.
+/// The state of a process, such as 'Z' for one that its parent has not waited for, and its parent.
 struct ProcessState {
   char state = 0;  ///< 0: there is no such process
   pid_t parent = 0;
@@ -30,8 +30,8 @@ inline ProcessState state_of(pid_t process) {
   return found;
 }
 
-/// The processes whose parent is this one; of a worker that is its supervisor, of which the worker
-/// is the only child.
+/// The processes whose parent is this one. A worker's parent is its supervisor, which has no other
+/// child. The supervisor's parent is the host.
 inline std::vector<pid_t> children_of(pid_t parent) {
   std::vector<pid_t> children;
   std::error_code code;
@@ -59,13 +59,13 @@ inline std::vector<pid_t> processes_named(const std::string& wanted) {
   return found;
 }
 
-/// Gone, or dead and waited for by nobody yet.
+/// True if the process has ended, or is a zombie.
 inline bool is_gone(pid_t process) {
   const char state = state_of(process).state;
   return state == 0 || state == 'Z';
 }
 
-/// Whether it does within a minute.
+/// True if the condition becomes true within a minute.
 template <class Condition>
 bool comes_true(const Condition& condition) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);

@@ -28,11 +28,11 @@ using testing::Ended;
 constexpr int kFrames = 8;
 constexpr double kShapeTolerance_m = 1e-6;
 
-/// What a frame of a run says, without times and machine.
+/// The results of a frame of a run, without times and machine.
 struct Frame {
   Points3 vertices_m;
-  std::map<std::string, std::vector<std::uint8_t>> masks;  ///< of each filter
-  std::map<std::string, double> counts;                    ///< of each stage
+  std::map<std::string, std::vector<std::uint8_t>> masks;  ///< by filter
+  std::map<std::string, double> counts;                    ///< by stage
   std::vector<std::string> statuses;
 };
 

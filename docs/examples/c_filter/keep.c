@@ -145,5 +145,5 @@ const weft_library_table weft_library = {
     .struct_size = sizeof(weft_library_table),
     .count = 1,
     .components = components,
-    .isa = "", /* what -m options let the compiler assume beyond x86-64, such as "avx2 fma" */
+    .isa = "", /* instruction sets that -m options add to x86-64, such as "avx2 fma" */
     .compiler = "cc " __VERSION__};

@@ -10,7 +10,7 @@ struct Sharpness {
   static constexpr const char* kType = "acme.sharpness/1";
   weft::Array<double> variance;  ///< [R,C] grey levels^2, of the Laplacian in a cell
   std::int64_t cell_px = 0;      ///< [] px, the side of a cell
-  weft::Others others = {};      ///< what else the record has
+  weft::Others others = {};      ///< further arrays of the record
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

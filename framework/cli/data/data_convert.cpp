@@ -88,11 +88,10 @@ void convert(const ConvertOptions& options, Context& context) {
 
 void add_data_convert(CLI::App& data, Context& context) {
   const auto options = std::make_shared<ConvertOptions>();
-  CLI::App* command =
-      data.add_subcommand("convert",
-                          "Import a folder of images (with depth or true points) or a video as a "
-                          "sequence, or write the "
-                          "matches of a run, a sequence or a set of files as CSV or npz files");
+  CLI::App* command = data.add_subcommand(
+      "convert",
+      "Import a folder of images (with depth or true points) or a video as a sequence. Or export "
+      "the matches of a run, a sequence or a set of files as CSV or npz");
   command
       ->add_option("PATH", options->path, "Folder or video; `weft data info` shows how it is read")
       ->required();

@@ -138,8 +138,7 @@ void add_data_info(CLI::App& data, Context& context) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = data.add_subcommand(
-      "info",
-      "Read all frames of a sequence, a folder of images or a video, and say what it holds");
+      "info", "Read all frames of a sequence, a folder of images or a video, and print a summary");
   command->add_option("PATH", options->path, "Folder, video, or YAML file with a source")
       ->required();
   command->add_option("--camera", options->camera,

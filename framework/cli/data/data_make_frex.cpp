@@ -73,8 +73,8 @@ void make(const FrexOptions& options, Context& context) {
   }
   if (options.folder.empty() || options.texture.empty()) {
     print_error({Errc::invalid_value,
-                 "a sequence needs --out FOLDER and --texture IMAGE; the sheet of markers needs "
-                 "--sheet FILE.pdf",
+                 "a sequence needs --out FOLDER and --texture IMAGE; the marker page needs --sheet "
+                 "FILE.pdf",
                  "weft data make frex"});
     context.exit_code = kBadConfiguration;
     return;
@@ -91,8 +91,8 @@ void make(const FrexOptions& options, Context& context) {
   }
   make_sequence(*pipeline, options.folder, options.settings, options.quiet,
                 {Errc::invalid_data,
-                 "the sheet is found in no frame: is the layout that of the sheet in the film, and "
-                 "are its markers at least 18 px wide and sharp?",
+                 "the marker page is found in no frame: check that the layout belongs to this "
+                 "page, and that its markers are sharp and at least 18 px wide",
                  options.video},
                 context);
 }
@@ -100,13 +100,14 @@ void make(const FrexOptions& options, Context& context) {
 /// Adds the options of recorded videos only, and those of simulations only.
 void add_kinds(CLI::App& command, FrexOptions& options) {
   CLI::Option* video =
-      command.add_option("--video", options.video, "Film of the sheet of markers, to be textured");
+      command.add_option("--video", options.video, "Film of the marker page, to be textured");
   command.add_option("--camera", options.camera, "Camera file of the film")->needs(video);
-  command.add_option("--layout", options.layout, "Layout of the sheet, written beside its PDF")
+  command
+      .add_option("--layout", options.layout, "Layout of the marker page, written beside its PDF")
       ->needs(video);
   video->needs("--camera")->needs("--layout");
   for (CLI::Option* option :
-       {command.add_option("--width-m", options.width_m, "Width of the simulated sheet"),
+       {command.add_option("--width-m", options.width_m, "Width of the simulated surface"),
         command.add_option("--height-m", options.height_m, "Its height; 0: texels are square"),
         command.add_option("--frames", options.frames, "Number of simulated frames")}) {
     option->capture_default_str()->excludes(video);
@@ -114,7 +115,7 @@ void add_kinds(CLI::App& command, FrexOptions& options) {
   command
       .add_option("--pattern", options.pattern, "roll, s_bend, corner_fold, wave, handles or bulge")
       ->excludes(video);
-  command.add_flag("--occluder", options.occluder, "An arm hides parts of the sheet")
+  command.add_flag("--occluder", options.occluder, "An arm hides parts of the surface")
       ->excludes(video);
 }
 
@@ -124,21 +125,20 @@ void add_data_make_frex(CLI::App& make_command, Context& context) {
   const auto options = std::make_shared<FrexOptions>();
   CLI::App* command = make_command.add_subcommand(
       "frex",
-      "A printed sheet before a camera, simulated (sources/frex) or filmed (--video, "
-      "sources/frex_video), or the sheet that is to be filmed (--sheet)");
-  CLI::Option* sheet = command->add_option(
-      "--sheet", options->sheet,
-      "Write only the sheet of ArUco markers to be printed and filmed: a PDF, and beside it its "
-      "layout (.yaml) and its picture (.png)");
+      "A printed surface before a camera, simulated (sources/frex) or filmed (--video, "
+      "sources/frex_video), or the marker page to be filmed (--sheet)");
+  CLI::Option* sheet =
+      command->add_option("--sheet", options->sheet,
+                          "Write only the page of ArUco markers to be printed and filmed: a PDF, "
+                          "and beside it its layout (.yaml) and its image (.png)");
   command->add_option("--out", options->folder, "Folder of the sequence, new or empty");
-  command->add_option("--texture", options->texture, "Image printed on the sheet");
-  CLI::Option* seed =
-      command
-          ->add_option(
-              "--seed", options->seed,
-              "Chooses movement, light, background and noise; of a sheet, the markers' places")
-          ->check(CLI::NonNegativeNumber)
-          ->capture_default_str();
+  command->add_option("--texture", options->texture, "Image printed on the surface");
+  CLI::Option* seed = command
+                          ->add_option("--seed", options->seed,
+                                       "Chooses movement, light, background and noise; for a "
+                                       "marker page, the markers' places")
+                          ->check(CLI::NonNegativeNumber)
+                          ->capture_default_str();
   command->add_option("--background", options->background,
                       "plain, clutter, look_alike or image; of a film original, white or image");
   add_kinds(*command, *options);
@@ -149,7 +149,7 @@ void add_data_make_frex(CLI::App& make_command, Context& context) {
       ->allow_extra_args(false);
   CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "No progress");
   CLI::Option* overwrite =
-      command->add_flag("--overwrite", options->overwrite, "Replace the files of a sheet")
+      command->add_flag("--overwrite", options->overwrite, "Replace the files of a marker page")
           ->needs(sheet);
   for (CLI::Option* option : command->get_options()) {
     const bool goes = option == sheet || option == seed || option == quiet || option == overwrite;

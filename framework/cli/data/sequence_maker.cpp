@@ -125,7 +125,7 @@ void make_sequence(const GeneratedText& pipeline_text, const std::string& folder
   }
   const std::int64_t left_out = summary->frames - summary->failed - written;
   fmt::print("{} frames{}, {} failed{}: {}\n", summary->frames,
-             left_out > 0 ? fmt::format(", {} left out", left_out) : "", summary->failed,
+             left_out > 0 ? fmt::format(", {} omitted", left_out) : "", summary->failed,
              summary->stopped ? ", stopped early" : "", folder);
 }
 

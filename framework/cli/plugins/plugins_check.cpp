@@ -80,7 +80,7 @@ void add_check_of_plugins(CLI::App& plugins, Context& context) {
       "check", "Hold plugins to the binary contract and to that of their role");
   command->footer(
       "Exit codes:\n"
-      "  0  all checks that were made hold\n"
+      "  0  all executed checks pass\n"
       "  1  one fails\n"
       "  2  the arguments are wrong, or there is no such plugin\n"
       "  3  a file cannot be read or written");

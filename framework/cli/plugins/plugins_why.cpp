@@ -67,7 +67,7 @@ Finding finding_of(const host::Registry& registry, const host::Installed& entry)
              !loaded) {
     finding.state = "refused";
     finding.cause = loaded.error().message;
-    finding.fix = "correct that, then ask again";
+    finding.fix = "correct that, then try again";
   } else {
     std::set<std::string> seen;
     note_missing_defaults(registry, component, seen, finding.notes);

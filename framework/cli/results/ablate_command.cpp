@@ -145,7 +145,7 @@ Result<lab::AblationState> execute(lab::Grid& grid, const lab::ResultsFolder& fo
                                  options.retries("damaged")};
   if (options.status) return lab::state_of(grid, folder, how);
   const std::atomic<bool>& interrupted = watch_for_interruption();
-  now_running("the cells of the plan, in processes of their own");
+  now_running("the cells of the plan, in separate processes");
   const auto engine = options.engine == kSlurm
                           ? slurm_engine(slurm_call(options, folder, context), options.slurm,
                                          options.processes(), grid.plan().cluster)
@@ -281,7 +281,7 @@ void add_ablate_command(CLI::App& app, Context& context) {
           ->allow_extra_args(false);
   command
       ->add_flag("--dry-run,--status", options->status,
-                 "Say what is done, and what the rest will take; run and write nothing")
+                 "Print what is done, and how long the rest will take; run and write nothing")
       ->excludes(retry);
   add_slurm_options(*command, options->slurm);
   command->add_flag("--quiet", options->quiet, "No progress and no table");

@@ -83,7 +83,7 @@ int run_slurm_task(lab::Grid& grid, const SlurmArguments& arguments, const std::
     if (looked) static_cast<void>(lab::state_of(grid, *looked, how));
   }
   const std::atomic<bool>& interrupted = watch_for_interruption();
-  now_running("the cells of a task, in processes of their own");
+  now_running("the cells of a task, in separate processes");
   const auto report = cluster::run_task(grid, folder, *id, processes, how.timed, interrupted);
   if (!report) {
     print_error(report.error());
@@ -115,7 +115,7 @@ void tell_slurm_failure(const SlurmArguments& arguments, const std::string& fold
 
 void print_submitted(const lab::AblationState& state, const std::string& folder) {
   for (const std::string& reason : state.reasons) fmt::print("{}\n", reason);
-  fmt::print("{} (--status says how far they are, --cancel ends them; run again for the rest)\n",
+  fmt::print("{} (--status prints their progress, --cancel ends them; run again for the rest)\n",
              folder);
 }
 

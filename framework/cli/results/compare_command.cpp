@@ -57,7 +57,7 @@ Result<GeneratedText> plan_text(const CompareOptions& options, const std::string
   const long first_seed = std::strtol(options.seeds.c_str(), nullptr, 10);
   const bool tuning = !options.seeds.empty() && first_seed <= 100;
   GeneratedText text("weft compare");
-  text.add("# What `weft compare` asked; weft ablate runs it again.\nweft: 1\nname: " + name +
+  text.add("# The plan of `weft compare`; weft ablate runs it again.\nweft: 1\nname: " + name +
            "\npipeline:\n");
   for (std::size_t i = 0; i < 2; ++i) {
     const std::string& file = options.pipelines[i];
@@ -174,8 +174,7 @@ void compare(CompareOptions options, Context& context) {
 void add_compare_command(CLI::App& app, Context& context) {
   const auto options = std::make_shared<CompareOptions>();
   CLI::App* command = app.add_subcommand(
-      "compare",
-      "Say which of two pipelines is the better one, and whether that is more than chance");
+      "compare", "Compare two pipelines, and test whether their difference is significant");
   command->add_option("PIPELINES", options->pipelines, "The two pipelines (YAML)")
       ->type_name("")
       ->expected(2)
@@ -201,7 +200,7 @@ void add_compare_command(CLI::App& app, Context& context) {
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   command->add_flag("--dry-run", options->is_dry,
-                    "Say what is done, and what the rest will take; run and write nothing");
+                    "Print what is done, and how long the rest will take; run and write nothing");
   command->add_option("--out", options->out,
                       "Results folder, beside which the plan is written (default: "
                       "comparisons/<names of the two>)");

@@ -80,10 +80,9 @@ Result<void> evaluate_all(const EvalOptions& options, const Context& context) {
   }
   if (options.alignment != "all") return evaluate(options, options.alignment, registration.get());
   if (!options.json_file.empty() || !options.csv_file.empty()) {
-    return Error{
-        Errc::invalid_value,
-        "--alignment all writes metrics.json, metrics_scale.json and metrics_rigid.json into "
-        "the run; a file of your own holds one alignment: choose one"};
+    return Error{Errc::invalid_value,
+                 "--alignment all writes metrics.json, metrics_scale.json and metrics_rigid.json "
+                 "into the run; --json and --csv write one alignment: choose one"};
   }
   for (const char* alignment : {"none", "scale", "rigid"}) {
     if (auto done = evaluate(options, alignment, registration.get()); !done) return done;
@@ -106,9 +105,9 @@ void add_eval_command(CLI::App& app, Context& context) {
       ->option_text("FILE");
   command
       ->add_option("--alignment", options->alignment,
-                   "Take out one scale or one rigid motion a frame first; the table says so. all: "
-                   "none, scale and rigid one after another, into metrics.json, "
-                   "metrics_scale.json and metrics_rigid.json; takes neither --json nor --csv")
+                   "Remove one scale or one rigid motion a frame first; the table states it. With "
+                   "all: none, scale and rigid one after another, into metrics.json, "
+                   "metrics_scale.json and metrics_rigid.json; without --json and --csv")
       ->option_text("none|scale|rigid|all (default: " + options->alignment + ")")
       ->check(CLI::IsMember({"none", "scale", "rigid", "all"}));
   command->add_option("--csv", options->csv_file, "Write a row for each frame to this file")
@@ -122,7 +121,7 @@ void add_eval_command(CLI::App& app, Context& context) {
                     "Print a row for each frame too, and the frames with the largest errors");
   command->add_flag(
       "--surfaces", options->surfaces,
-      fmt::format("Add Chamfer distances as the literature has them, between {} places drawn over "
+      fmt::format("Add Chamfer distances as the literature has them, between {} random places on "
                   "the mesh and the points of the truth, and print all",
                   lab::kSurfaceSamples));
   command

@@ -42,7 +42,7 @@ void print_paper(const std::string& folder, Context& context) {
       lab::is_run_folder(folder)
           ? Result<lab::PaperFiles>(
                 Error{Errc::invalid_value,
-                      "--paper is for the folder of an ablation; this one is of a run", folder})
+                      "--paper needs the folder of an ablation; this is a run folder", folder})
           : lab::write_paper(folder);
   if (!paper) {
     print_error(paper.error());

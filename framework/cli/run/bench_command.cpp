@@ -32,7 +32,7 @@ struct Ended {
 
 [[noreturn]] void end(Error error, int exit_code) {
   if (error.code == Errc::cancelled) {
-    throw Ended{{error.code, "nothing is told", "interrupted"}, kFramesFailed};
+    throw Ended{{error.code, "no result is printed", "interrupted"}, kFramesFailed};
   }
   throw Ended{std::move(error), exit_code};
 }
@@ -204,7 +204,7 @@ void add_bench_command(CLI::App& app, Context& context) {
   command->footer(
       "Exit codes:\n"
       "  0  done\n"
-      "  1  a frame had an error, or it was interrupted; nothing is told\n"
+      "  1  a frame had an error, or it was interrupted; no result\n"
       "  2  the command line or a pipeline is wrong, or its source has too few frames\n"
       "  3  a file or folder could not be read or written");
   command->callback([&context, options, command] {

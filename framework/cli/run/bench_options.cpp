@@ -16,13 +16,13 @@ void add_bench_options(CLI::App& command, BenchOptions& options) {
   };
   text("PIPELINE", options.pipeline, "Pipeline file (YAML)")->type_name("")->required();
   command
-      .add_option("--against", options.against,
-                  "Another pipeline, run in turns with it; may be repeated. The ratios are of "
-                  "PIPELINE over it")
+      .add_option(
+          "--against", options.against,
+          "Another pipeline, run in turns with it; may be repeated. Ratios are PIPELINE over it")
       ->option_text("FILE")
       ->allow_extra_args(false);
   text("--baseline", options.baseline,
-       "A pipeline that all are told relative to (default: the last --against)");
+       "Pipeline to which all others are compared (default: the last --against)");
   const auto number = [&](const char* name, auto& value, std::int64_t least, const char* help) {
     return command.add_option(name, value, help)
         ->option_text(fmt::format("N (default: {})", value))

@@ -42,7 +42,7 @@ void check(const CheckOptions& options, Context& context) {
   for (const std::string& file : options.files) {
     if (!options.without.empty() && !lab::is_plan(file)) {
       print_error({Errc::invalid_value,
-                   "--without is for plans; in a pipeline 'without' stands in a file", file});
+                   "--without is for plans; a pipeline has 'without' in its file", file});
       context.exit_code = kBadConfiguration;
       continue;
     }
@@ -62,7 +62,7 @@ void check(const CheckOptions& options, Context& context) {
 void add_check_command(CLI::App& app, Context& context) {
   const auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app.add_subcommand(
-      "check", "Check pipelines and ablation plans without running them; lists all mistakes");
+      "check", "Check pipelines and ablation plans without running them; lists all errors");
   command->add_option("FILE", options->files, "Pipelines and plans (YAML)")
       ->type_name("")
       ->required();

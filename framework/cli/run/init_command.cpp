@@ -43,12 +43,13 @@ std::optional<std::string> ask(const std::string& question) {
 }
 
 Error unanswered(const std::string& option) {
-  return {Errc::invalid_value, "is missing, and there is nobody to ask: give it", option};
+  return {Errc::invalid_value, "is missing, and there is no terminal to enter it: give the option",
+          option};
 }
 
 Result<void> fill_in(InitOptions& options) {
   if (options.picture.empty() && options.object.empty()) {
-    auto picture = ask("Picture of the flat object, from edge to edge (PNG or JPEG)");
+    auto picture = ask("Image of the flat object, from edge to edge (PNG or JPEG)");
     if (!picture) return unanswered("--picture");
     options.picture = *std::move(picture);
   }
@@ -117,7 +118,7 @@ std::string pipeline_text(const InitOptions& options, const std::string& templ) 
 
 Result<void> check_size(const InitOptions& options) {
   if (!options.object.empty() && (!options.picture.empty() || options.width_m)) {
-    return Error{Errc::invalid_value, "brings picture and size: leave --picture and --width out",
+    return Error{Errc::invalid_value, "includes image and size: omit --picture and --width",
                  "--template"};
   }
   if (options.width_m && !(*options.width_m > 0.0 && std::isfinite(*options.width_m))) {
@@ -152,26 +153,25 @@ void add_init_command(CLI::App& app, Context& context) {
   CLI::App* command =
       app.add_subcommand("init", "Make a folder with a live pipeline for an object of yours");
   command->add_option("FOLDER", options->folder, "New folder")->type_name("")->required();
-  command->add_option("--picture", options->picture, "Picture of a flat object, from edge to edge")
+  command->add_option("--picture", options->picture, "Image of a flat object, from edge to edge")
       ->option_text("FILE");
   command->add_option("--width", options->width_m, "Its width")->option_text("METRES");
   command
       ->add_option("--template", options->object,
-                   "In place of both a folder that `weft template make` wrote")
+                   "Instead of both: a folder that `weft template make` wrote")
       ->option_text("FOLDER");
   CLI::Option* device =
       command->add_option("--device", options->device, "N of the camera /dev/videoN")
           ->option_text("N")
           ->check(CLI::NonNegativeNumber);
-  command
-      ->add_option("--video", options->video, "A film in place of a camera; it stays where it is")
+  command->add_option("--video", options->video, "A film instead of a camera; it stays where it is")
       ->option_text("FILE")
       ->excludes(device);
   command
       ->add_option("--camera", options->camera,
                    "Camera file, as `weft calibrate` writes it; empty: there is none")
       ->option_text("FILE");
-  command->footer("What is not given is asked for.");
+  command->footer("Prompts for the values that are not given.");
   command->callback([&context, options] {
     if (const auto done = init(*options, context.registry()); !done) {
       print_error(done.error());

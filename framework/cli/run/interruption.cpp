@@ -72,7 +72,7 @@ void now_running(const std::string& stage, const std::string& component, const s
 host::ComponentChecks checks_of(const std::string& file) {
   now_running("the checks of " + file);
   return host::ComponentChecks(
-      [file](const std::string& id) { now_running(id + ", asked by the checks of " + file); });
+      [file](const std::string& id) { now_running(id + ", called by the checks of " + file); });
 }
 
 }  // namespace weft::cli

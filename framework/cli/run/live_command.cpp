@@ -90,7 +90,7 @@ std::optional<Page> page_of(const PipelineConfig& config) {
 /// The lines about the page. The token stays out of them, since they may end up in a log.
 std::string words_on(const Page& page) {
   if (page.token.empty()) return page.address + "\n";
-  return page.address + "?token=...\nPut the token in place of the dots.\n";
+  return page.address + "?token=...\nReplace the dots by the token.\n";
 }
 
 /// What the source needs of the user, beside being looked at.
@@ -119,7 +119,7 @@ std::string pipeline_of(const LiveOptions& options) {
 std::string object_of(const LiveOptions& options, const std::string& pipeline) {
   if (pipeline != own_pipeline("live.yaml") || !options.video.empty()) return "";
   return "Show the camera " + own_pipeline("data/sheet_texture.png") +
-         ", printed 297 mm wide.\nA picture of yours: weft init FOLDER, then weft live "
+         ", printed 297 mm wide.\nYour own image: weft init FOLDER, then weft live "
          "FOLDER/live.yaml.\n";
 }
 
@@ -133,11 +133,11 @@ bool is_about_camera(const PipelineConfig& config, const Error& error) {
 }
 
 constexpr const char* kAdvice =
-    "weft live --demo shows a simulated sheet, without a camera. With one:\n"
+    "weft live --demo shows a simulated surface, without a camera. With one:\n"
     "  another camera       --set source.device=1 (ls /dev/video*)\n"
     "  its calibration      weft calibrate --camera 0 --out camera.yaml, then\n"
     "                       --set source.camera=camera.yaml\n"
-    "  a picture of yours   weft init FOLDER, then weft live FOLDER/live.yaml\n"
+    "  your own image       weft init FOLDER, then weft live FOLDER/live.yaml\n"
     "  a photograph of it   weft template make --photo FILE --width METRES --out OBJECT, then\n"
     "                       weft init FOLDER --template OBJECT\n"
     "  a film               --video FILE\n";
@@ -188,8 +188,8 @@ void add_live_command(CLI::App& app, Context& context) {
       ->add_option("PIPELINE", options->run.pipeline,
                    "Pipeline file (default: live.yaml here, else the printed demo before camera 0)")
       ->type_name("");
-  command->add_flag("--demo", options->demo, "A simulated sheet in place of a camera");
-  command->add_option("--video", options->video, "Play a film in place of a camera")
+  command->add_flag("--demo", options->demo, "A simulated surface instead of a camera");
+  command->add_option("--video", options->video, "Play a film instead of a camera")
       ->option_text("FILE");
   command
       ->add_option("--out", options->run.folder,

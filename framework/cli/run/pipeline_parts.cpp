@@ -45,7 +45,7 @@ Result<ImageHeader> picture_header(const std::string& path) {
   const auto file = read_image_bytes(path);
   if (!file) return file.error();
   if (file->header.width_px > 0) return file->header;
-  return Error{Errc::invalid_data, "is no picture that can be read: give a PNG or JPEG", path};
+  return Error{Errc::invalid_data, "is no readable image: give a PNG or JPEG", path};
 }
 
 Result<TemplateKey> flat_template(const std::string& picture, double width_m, int cells) {

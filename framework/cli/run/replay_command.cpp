@@ -133,7 +133,7 @@ void add_replay_command(CLI::App& app, Context& context) {
       app.add_subcommand("replay", "Run one stage on what `weft run --dump` wrote, and compare");
   command->footer(
       "Exit codes:\n"
-      "  0  all outputs are identical, or --params was given\n"
+      "  0  all outputs are identical, or with --params\n"
       "  1  some are not\n"
       "  2  the command line, the stage or a parameter is wrong\n"
       "  3  a file or folder cannot be read or written");
@@ -148,13 +148,13 @@ void add_replay_command(CLI::App& app, Context& context) {
   command
       ->add_option("--params", options->params,
                    "Parameters over the dumped ones, as a YAML map: \"{alpha_s: 0.2}\"; "
-                   "differences are then told with exit code 0")
+                   "differences are then printed with exit code 0")
       ->option_text("MAP");
   command->add_option("--out", options->out, "Write the new outputs into this folder, new or empty")
       ->option_text("FOLDER");
   command
       ->add_option("--repeat", options->repeat,
-                   "Make each call so often and tell the median of its time")
+                   "Repeat each call, and print the median of its time")
       ->option_text(fmt::format("N (default: {})", options->repeat))
       ->check(CLI::Range(1, 1'000'000));
   command->callback([&context, options] { run(*options, context); });

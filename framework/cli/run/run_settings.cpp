@@ -19,17 +19,17 @@ void add_settings(CLI::App& command, std::vector<std::string>& settings) {
 void add_without(CLI::App& command, std::vector<std::string>& names) {
   command
       .add_option("--without", names,
-                  "Leave out of a plan: AXIS, AXIS.VALUE or data.NAME; may be repeated")
+                  "Omit from a plan: AXIS, AXIS.VALUE or data.NAME; may be repeated")
       ->option_text("NAME")
       ->allow_extra_args(false);
 }
 
 void add_isolation(CLI::App& command, std::string& choice) {
   command
-      .add_option(
-          "--isolate", choice,
-          "What has a process of its own where the pipeline does not say: auto: plugins from "
-          "other folders than the program's, unless they keep data on a device; none; all")
+      .add_option("--isolate", choice,
+                  "Components that run in a separate process unless the pipeline specifies it: "
+                  "auto: plugins from other folders than the program's, unless they keep data on a "
+                  "device; none; all")
       ->check(CLI::IsMember({"auto", "none", "all"}))
       ->option_text("auto|none|all [auto]");
 }
@@ -56,8 +56,8 @@ std::string words_on_isolation(const PipelineConfig& config) {
     names += (i + 1 < isolated.size() ? ", " : " and ") + isolated[i];
   }
   return names + (isolated.size() > 1
-                      ? " run in processes of their own (--isolate none runs them here)"
-                      : " runs in a process of its own (--isolate none runs it here)");
+                      ? " run in separate processes (--isolate none runs them here)"
+                      : " runs in a separate process (--isolate none runs it here)");
 }
 
 std::string free_folder(const std::string& pipeline) {

@@ -19,7 +19,7 @@ void add_without(CLI::App& command, std::vector<std::string>& names);
 void add_isolation(CLI::App& command, std::string& choice);
 Isolating isolating_of(const std::string& choice);
 
-/// "filters/mine runs in a process of its own (--isolate none runs it here)", of those of which the
+/// "filters/mine runs in a separate process (--isolate none runs it here)", of those of which the
 /// pipeline says nothing; empty where there is none.
 std::string words_on_isolation(const PipelineConfig& config);
 

@@ -37,7 +37,7 @@ Result<void> write_frame(const host::Registry& registry, const FirstFrame& first
   shape.vertices_m = make_array<double>(vertices_m);
   shape.source = Array<std::uint8_t>({vertices_m.rows()}, 1);
   const auto record = host::Record::copy_of(shape);
-  if (record == nullptr) return Error{Errc::no_memory, "no memory for the picture"};
+  if (record == nullptr) return Error{Errc::no_memory, "no memory for the image"};
   const weft_record inputs[] = {first.image->view("image"), first.camera->view("camera"),
                                 first.templ->view("template"),
                                 first.matches->view("correspondences"), record->view("shape")};
@@ -175,7 +175,7 @@ void check(const TemplateCheckOptions& options, Context& context) {
 void add_template_check(CLI::App& parent, Context& context) {
   const auto options = std::make_shared<TemplateCheckOptions>();
   CLI::App* command = parent.add_subcommand(
-      "check", "Tell whether a pipeline's template fits frame 0, which shows it about at rest");
+      "check", "Check whether a pipeline's template fits frame 0, which shows it about at rest");
   command->add_option("PIPELINE", options->pipeline, "Pipeline file")->type_name("")->required();
   add_settings(*command, options->settings);
   command
@@ -189,16 +189,16 @@ void add_template_check(CLI::App& parent, Context& context) {
       ->option_text("FOLDER");
   command
       ->add_option("--frames", options->frames,
-                   "So many frames from the first on show the object at rest, for --refit")
+                   "Number of first frames that show the object at rest, for --refit")
       ->option_text("N")
       ->check(CLI::Range(1, 1000));
   command->add_flag("--json", options->json, "Print JSON");
   command->footer(
       "Exit codes:\n"
-      "  0  no fault was found; what is doubtful is a warning\n"
+      "  0  no fault was found; doubts are warnings\n"
       "  1  the template is at fault\n"
       "  2  the pipeline is wrong, or its frame 0 cannot be read\n"
-      "  3  the picture or the template cannot be written, or nothing shows how to correct it");
+      "  3  the image or the template cannot be written, or no correction is known");
   command->callback([&context, options] { check(*options, context); });
 }
 

@@ -192,9 +192,7 @@ void add_template_command(CLI::App& app, Context& context) {
   CLI::App* maker = add_command(
       *parent, "make", "Write mesh (OBJ), texture and drawings of a template into a folder", made);
   maker->add_option("--out", made->out, "Folder, new or empty")->option_text("FOLDER")->required();
-  maker
-      ->add_option("--crop", made->crop_px,
-                   "Crop the texture to the object and so many pixels beside it")
+  maker->add_option("--crop", made->crop_px, "Crop the texture to the object with this margin")
       ->option_text("PX")
       ->check(CLI::NonNegativeNumber);
   maker->callback([&context, made] { run(*made, context); });

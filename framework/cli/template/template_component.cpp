@@ -89,17 +89,18 @@ void add_choice(CLI::App& command, ChosenTemplate& chosen) {
       ->allow_extra_args(false);
   CLI::Option* photo =
       command
-          .add_option("--photo", chosen.photo, "Photograph of a flat rectangular sheet, instead")
+          .add_option("--photo", chosen.photo, "Photograph of a flat rectangular object, instead")
           ->option_text("FILE");
   CLI::Option* width =
-      command.add_option("--width", chosen.width_m, "Width of that sheet in metres, as it is read")
+      command
+          .add_option("--width", chosen.width_m, "Width of that object in metres, as it is read")
           ->option_text("M")
           ->check(CLI::PositiveNumber)
           ->needs(photo);
   photo->needs(width);
   command
       .add_option("--height", chosen.height_m,
-                  "Its height; found by corners and camera if left out")
+                  "Its height; computed from corners and camera if omitted")
       ->option_text("M")
       ->check(CLI::PositiveNumber)
       ->needs(photo);
@@ -108,7 +109,7 @@ void add_choice(CLI::App& command, ChosenTemplate& chosen) {
       ->needs(photo);
   command
       .add_option("--corners", chosen.corners,
-                  "Its corners in px, from the top left on clockwise; found if left out")
+                  "Its corners in px, from the top left on clockwise; found if omitted")
       ->option_text("\"X,Y X,Y X,Y X,Y\"")
       ->needs(photo);
 }

@@ -20,7 +20,7 @@ Result<TextureSurvey> judge_texture(const host::Registry& registry, const host::
 Result<void> write_twins(const host::Registry& registry, const host::Record& templ,
                          const TextureSurvey& texture, const std::string& path) {
   const auto pairs = host::Record::copy_of(texture.twins);
-  if (pairs == nullptr) return Error{Errc::no_memory, "no memory for the picture"};
+  if (pairs == nullptr) return Error{Errc::no_memory, "no memory for the image"};
   const weft_record inputs[] = {templ.view("template"), pairs->view("correspondences")};
   return write_picture(registry, inputs, Picture::twins, path);
 }

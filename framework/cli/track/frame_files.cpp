@@ -116,7 +116,7 @@ Result<FrameFiles> find_frames(const std::string& path, const std::string& objec
   if (images.size() > 1) {
     return of_folder(path, "holds images of several types (*" + images.begin()->first + ", *" +
                                std::next(images.begin())->first +
-                               "): put those to be tracked into a folder of their own");
+                               "): put those to be tracked into a separate folder");
   }
   const auto& [extension, paths] = *images.begin();
   std::string why = differing_sizes(paths);

@@ -134,8 +134,8 @@ Result<ChosenObject> choose_object(const TrackOptions& options, const host::Regi
                                         : "what lies between the given corners"};
   }
   return flat_object(options, width_m,
-                     "the whole photograph, in which no rectangle was found (--corners: say where "
-                     "the object is)");
+                     "the whole photograph, in which no rectangle was found (--corners: give the "
+                     "corners of the object)");
 }
 
 /// Parts of a pipeline.
@@ -236,7 +236,8 @@ Result<void> measure_camera(const TrackOptions& options, const Tracked& tracked,
   const std::string pipeline = options.folder + "/" + kPipeline;
   const auto focal = measure_focal(pipeline, settings, options.folder + "/camera", context);
   if (!focal) {
-    fmt::print("camera    the frames do not tell the focal length; depths are uncertain by 25 %\n");
+    fmt::print(
+        "camera    the frames do not determine the focal length; depths are uncertain by 25 %\n");
     return {};
   }
   fmt::print("camera    focal length {:.3f} (+- {:.3f}) times the longer side, from {} frames\n",
@@ -304,11 +305,11 @@ void add_track_command(CLI::App& app, Context& context) {
       ->required();
   command
       ->add_option("--width", options->width_m,
-                   "Its width in metres; left out, lengths are in units of its width")
+                   "Its width in metres; without it, lengths are in units of its width")
       ->option_text("M");
   command
       ->add_option("--camera", options->camera,
-                   "Camera file of the frames; left out, it is assumed from EXIF or image size")
+                   "Camera file of the frames; without it, it is assumed from EXIF or image size")
       ->option_text("FILE");
   command
       ->add_option("--out", options->folder,

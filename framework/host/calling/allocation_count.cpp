@@ -8,7 +8,7 @@ namespace {
 
 using Reader = void (*)(std::uint64_t* blocks, std::uint64_t* bytes);
 
-/// What is loaded before the program starts does not change while it runs.
+/// The libraries loaded before the program starts do not change while it runs.
 Reader reader() {
   static const auto found =
       reinterpret_cast<Reader>(dlsym(RTLD_DEFAULT, "weft_allocations_so_far"));

@@ -5,17 +5,18 @@
 
 namespace weft::host {
 
-/// What was asked of the allocator, in all threads and libraries of this process.
+/// Allocations in all threads and libraries of this process.
 struct Allocations {
   std::uint64_t blocks = 0;  ///< [] number of allocations
-  std::uint64_t bytes = 0;   ///< as asked for, which is less than what is taken
+  std::uint64_t bytes = 0;   ///< requested size, which is less than the size that the allocator
+                             ///< uses
 };
 
-/// Whether the library is loaded that counts them: into the process in which `weft bench` counts,
-/// and into tests that are linked with it.
+/// True if the library that counts allocations is loaded: in the process in which `weft bench`
+/// counts, and in tests that are linked with it.
 bool allocations_are_counted();
 
-/// Since this process started; 0 where nobody counts.
+/// Count since this process started; 0 if allocations are not counted.
 Allocations allocations_of_process();
 
 }  // namespace weft::host

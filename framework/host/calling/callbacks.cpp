@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a component may ask of its host during a call.
+// Functions of the host that a component may call during a call.
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,11 +19,11 @@ bool ExecutionContext::Scope::may_produce(std::string_view slot, std::string_vie
 
 namespace {
 
-constexpr std::uint64_t kMostArrays = 1000;       ///< of a record
-constexpr std::size_t kLongestText_bytes = 4096;  ///< of a log
+constexpr std::uint64_t kMostArrays = 1000;       ///< maximum per record
+constexpr std::size_t kLongestText_bytes = 4096;  ///< maximum of one log message
 
-/// [bytes] of all arrays of a record: far more than one of a frame needs, and never so much that
-/// other programs suffer.
+/// [bytes] limit for all arrays of a record: far more than a frame needs, but little enough that
+/// other programs do not suffer.
 std::int64_t most_bytes() {
   constexpr std::int64_t kMost = std::int64_t{2} << 30U;
   static const std::int64_t kQuarter =
@@ -31,7 +31,7 @@ std::int64_t most_bytes() {
   return kQuarter > 0 ? std::min(kMost, kQuarter) : kMost;
 }
 
-/// Why the host refuses an array that is asked for; empty where it does not.
+/// The reason why the host refuses a requested array; empty if it accepts the array.
 std::string refusal_of(const Record& record, std::string_view name, std::int32_t dtype,
                        std::int32_t ndim, const std::int64_t* shape) {
   const weft_record view = record.view("");
@@ -104,7 +104,8 @@ struct Callbacks {
     auto& scope = *static_cast<ExecutionContext::Scope*>(call->context);
     const weft_device_memory* library = scope.instance.device_memory;
     if (library == nullptr) {
-      scope.refusal = "it names no device_memory of its own, and so cannot leave an array there";
+      scope.refusal =
+          "it has no device_memory table, and so cannot deliver an array in device memory";
     }
     Record* record = library != nullptr ? output(call, slot, type, array) : nullptr;
     return record != nullptr &&

@@ -7,8 +7,8 @@
 
 namespace weft::host {
 
-/// Whether the components of an execution context are to stop. Plugins ask during their calls, from
-/// any thread.
+/// Flag that the components of an execution context are to stop. Plugins poll it during their
+/// calls, from any thread.
 class Cancellation {
  public:
   /// May be set from any thread.

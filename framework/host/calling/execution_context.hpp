@@ -27,12 +27,12 @@ class ExecutionContext {
  public:
   using Log = std::function<void(const std::string& component, int level, const std::string& text,
                                  std::uint64_t frame)>;
-  /// What is about to run: a stage, the id of its component, what it does ("load", "prepare", a
-  /// method), for which frame. Called by the thread that runs it.
+  /// Announces the next call: the stage, the id of its component, the action ("load", "prepare", a
+  /// method) and the frame. The thread that runs the call also calls this function.
   using Announce = std::function<void(const std::string& stage, const std::string& component,
                                       const std::string& what, std::uint64_t frame)>;
 
-  /// Outputs stand in `arena` where one is given, which isolated instances need. Revisions have
+  /// Outputs are stored in `arena` if it is given, which isolated instances need. Revisions have
   /// the bits of `revision_mark`.
   ExecutionContext(std::uint64_t run_seed, Log log, std::shared_ptr<SharedArena> arena = nullptr,
                    std::uint64_t revision_mark = 0);
@@ -52,16 +52,16 @@ class ExecutionContext {
   Result<Instance*> instantiate_isolated(const ComponentSpec& spec, const std::string& stage,
                                          const Isolation& isolation);
 
-  /// Puts an instance in the place of another one, which is destroyed with those nested in it:
-  /// this one evaluates what that one made. Nobody calls either meanwhile.
+  /// Replaces an instance by another one, and destroys the old one with those nested in it. The new
+  /// instance evaluates the results of the old one. Neither may be called meanwhile.
   void replace(Instance& old, Instance& made);
 
-  /// Destroys an instance that nobody will call, with those nested in it.
+  /// Destroys an instance that is no longer called, with those nested in it.
   void discard(Instance& instance);
 
-  /// So many threads may work at a time, shared by the callers of this execution context; before
-  /// anything is made. With more than one caller, processor time is that of the calling thread
-  /// alone.
+  /// Sets the number of threads that may work at a time, shared by the callers of this execution
+  /// context. Must precede the creation of instances. With more than one caller, CPU time is that
+  /// of the calling thread alone.
   void divide_threads(int threads, int callers);
 
   /// Where the records of this execution context stand, and what else lives as long as a frame.
@@ -72,8 +72,8 @@ class ExecutionContext {
   /// Nothing is created or prepared while cancellation is requested.
   Cancellation& cancellation() { return cancellation_; }
 
-  /// From now on components of this process are given inputs that they cannot write into, nor read
-  /// after their call: who tries faults. Costs a copy of the inputs of each call.
+  /// From now on, components of this process get inputs that are read-only and unmapped after their
+  /// call, so that an illegal access faults. Costs a copy of the inputs of each call.
   void protect_inputs() { protects_inputs_ = true; }
 
   /// Gives template and camera to an instance and to those nested in it.
@@ -89,26 +89,26 @@ class ExecutionContext {
   Outcome call(Instance& instance, int method, std::span<const weft_record> inputs,
                std::uint64_t frame, std::uint64_t draw = 0);
 
-  /// Takes a record that is new in this execution context, made by a component or handed in from
-  /// elsewhere: it is validated and numbered, for components know records by their revisions:
-  /// templates and cameras by their content, others as no record of this process was before.
-  /// `types` are those that its maker declares beside the catalogue's.
+  /// Validates and numbers a record that is new in this execution context, because components
+  /// identify records by their revisions. Templates and cameras are numbered by their content,
+  /// other records by a number that is new in this process. `types` are the types that the
+  /// component declares beside the catalogue's.
   Result<void> admit(Record& record, const char* slot, std::span<const RecordSchema> types = {});
 
   /// Evaluates a warp record at points, by its producer.
   Outcome evaluate(const Record& warp, const Points& points, std::uint64_t frame);
 
-  /// From now on calls of this instance are not told to stop.
+  /// From now on, the host does not cancel calls of this instance.
   static void let_finish(Instance& instance);
 
-  /// Whether somebody may steer the run at this sink.
+  /// True if a user may steer the run at this sink.
   static bool steers(const Instance& sink);
-  /// Its change requests since this was last asked. From any thread, as is `answer`.
+  /// The sink's change requests since the last call. Safe from any thread, as is `answer`.
   static Result<std::vector<ChangeRequest>> take_change_requests(const Instance& sink);
   static Result<void> answer(const Instance& sink, const ChangeAnswer& answer);
 
-  /// Told before components are created, prepared and called, by the thread that does; not of those
-  /// nested in them.
+  /// Sets the function that is called before components are created, prepared and called, by the
+  /// thread that does so. Nested components are not announced.
   void announce_to(Announce announce) { announce_ = std::move(announce); }
 
  private:

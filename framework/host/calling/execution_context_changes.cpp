@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an execution context does for runs that change while they run, and at its end.
+// Functions of an execution context for runs whose parameters change, and for its end.
 #include "host/calling/execution_context_parts.hpp"
 #include "host/records/plugin_error.hpp"
 

@@ -10,7 +10,7 @@
 
 namespace weft::host {
 
-/// What a component returned; anything that is no status is an error.
+/// The status that a component returned; any other value is an error.
 inline weft_status status_of(std::int32_t status) {
   return status >= WEFT_OK && status <= WEFT_END ? static_cast<weft_status>(status) : WEFT_ERROR;
 }
@@ -37,7 +37,7 @@ class Instance {
   std::shared_ptr<const RoleRules> open_rules;  ///< where the role is open, what `rules` are
   const RoleRules& rules;
   std::vector<std::string> produces;
-  std::vector<RecordSchema> record_types;  ///< of vendors
+  std::vector<RecordSchema> record_types;  ///< declared by vendors
   SharedText stage;
   std::string path;  ///< nested parameters: "initial_guess/warp"
   SharedText name;   ///< both: "solvers/initial_guess/warp"
@@ -49,26 +49,27 @@ class Instance {
   void* self = nullptr;
   std::vector<Instance*> nested;
   std::unique_ptr<Worker> worker;         ///< null where it lives here
-  std::optional<CreateMessage> recreate;  ///< of warps, which workers may have to evaluate
+  std::optional<CreateMessage> recreate;  ///< creates a warp again in workers that may have to
+                                          ///< evaluate it
   bool running = false;
-  bool is_let_finish = false;  ///< its calls are not told to stop
+  bool is_let_finish = false;  ///< its calls are not cancelled
 };
 
-/// What a call got from a component nested in it, which lives as long as the call.
+/// The answer of a nested component to a call, which lives as long as the call.
 struct NestedAnswer {
   Outcome outcome;
-  PooledVector<weft_record> views;  ///< of its records
+  PooledVector<weft_record> views;  ///< views of its records
   ReachableInputs reached{};        ///< behind those of them that had to be fetched
 };
 
-/// What a call is about.
+/// The frame and the draw to which a call belongs.
 struct ExecutionContext::Turn {
   std::uint64_t frame, draw;  ///< as in weft_invocation
   std::uint64_t run_frame;    ///< in which it is made: a nested call may be about another one
   int depth;                  ///< [] nesting depth; 0 for a stage
 };
 
-/// What one running call owns.
+/// The resources that one running call owns.
 struct ExecutionContext::Scope {
   ExecutionContext& context;
   Instance& instance;
@@ -78,9 +79,9 @@ struct ExecutionContext::Scope {
   std::forward_list<NestedAnswer, PoolAllocator<NestedAnswer>> nested{context.memory_};
   std::uint64_t downloaded_bytes = 0;  ///< for this call and those nested in it
   double worker_processor_ms = 0.0;    ///< likewise
-  std::string refusal{};               ///< why the host refused an array, if it says
+  std::string refusal{};               ///< reason why the host refused an array, if it gave one
 
-  /// Whether the role's method may produce this.
+  /// True if the role's method may produce this record.
   bool may_produce(std::string_view slot, std::string_view type) const;
 };
 

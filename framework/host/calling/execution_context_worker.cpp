@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an execution context does for instances that live in a worker.
+// Functions of an execution context for instances that live in a worker.
 #include "host/calling/execution_context_parts.hpp"
 
 namespace weft::host {
@@ -8,7 +8,8 @@ using SteadyTime = std::chrono::steady_clock::time_point;  // processes share th
 
 Result<WorkerContext> ExecutionContext::worker_context_of(const Instance& instance) {
   if (arena_ == nullptr) {
-    return Error{Errc::unsupported, "a stage can be isolated only in a lane with shared memory"};
+    return Error{Errc::unsupported,
+                 "a stage can be isolated only in an execution context with shared memory"};
   }
   if (inputs_of_workers_ == nullptr) inputs_of_workers_ = std::make_shared<SharedInputs>(arena_);
   const std::shared_ptr<void> block = arena_->allocate(sizeof(std::atomic<bool>));

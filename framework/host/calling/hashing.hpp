@@ -12,16 +12,16 @@ namespace weft::host {
 std::uint64_t component_seed(std::uint64_t run_seed, std::uint64_t frame, std::string_view stage,
                              std::string_view nested_path, std::uint64_t draw = 0);
 
-// Revisions of one process are its own: components keep what follows from a record under its
-// number, and may be shared by all pipelines of the process. The two highest bits say where one
-// comes from, so that a worker never makes one that its host has given it.
+// Revisions are unique within one process. Components store derived data under the revision of a
+// record, and all pipelines of the process may share them. The two highest bits encode the origin,
+// so that a worker never makes a revision that its host has given it.
 constexpr std::uint64_t kRevisionOfWorker = std::uint64_t{1} << 63U;
 constexpr std::uint64_t kRevisionOfContent = std::uint64_t{1} << 62U;
 
 /// A revision that depends on the content alone, which lies in host memory: equal in all processes.
 std::uint64_t content_revision(const Record& record);
 
-/// One that nobody in this process has been given before. From any thread.
+/// A revision that is new in this process. Safe from any thread.
 std::uint64_t next_revision();
 
 }  // namespace weft::host

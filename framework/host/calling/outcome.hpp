@@ -13,7 +13,7 @@
 
 namespace weft::host {
 
-/// What a call of a component came to.
+/// The outcome of a component's call.
 struct Outcome {
   weft_status status = WEFT_OK;
   Error error;                         ///< for degenerate its message is the reason

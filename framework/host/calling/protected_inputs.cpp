@@ -18,7 +18,8 @@ namespace {
 
 constexpr std::size_t kPage = 4096, kInputAlignment = 64;
 
-/// What a handler can tell of some protected pages: their end is that of what can be read.
+/// The part of some protected pages that a signal handler can identify: it ends at the end of the
+/// readable pages.
 struct Known {
   std::atomic<std::uintptr_t> start{0};  ///< 0: free, 1: being taken
   std::uintptr_t end = 0;

@@ -10,9 +10,8 @@
 
 namespace weft::host {
 
-/// The inputs of one call in memory of their own that can only be read, with some behind it that
-/// cannot even be read: a component that writes into its inputs, reads beyond them or keeps them
-/// faults where it does.
+/// Read-only copies of the inputs of one call, followed by memory that cannot be read. A component
+/// that writes into its inputs, reads beyond them or keeps them causes a fault at that access.
 class ProtectedInputs {
  public:
   ProtectedInputs() = default;

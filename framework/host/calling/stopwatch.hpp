@@ -10,30 +10,30 @@
 
 namespace weft::host {
 
-/// What something took. Processor time counts all threads of the processes that worked for it, so
-/// it is larger than the time on the wall where several of them ran at once, and smaller where they
-/// waited: for a disk, a device, or a core that others had.
+/// Time and memory of an action. CPU time counts all threads of the processes that worked for it.
+/// It exceeds wall-clock time if several threads ran at once, and is smaller if they waited for a
+/// disk, a device or a core.
 struct Spent {
-  double ms = 0.0;            ///< [] ms on the wall
-  double processor_ms = 0.0;  ///< [] ms of processor time
-  Allocations allocations{};  ///< of this process; 0 where they are not counted
+  double ms = 0.0;            ///< [] ms of wall-clock time
+  double processor_ms = 0.0;  ///< [] ms of CPU time
+  Allocations allocations{};  ///< counts of this process; 0 if they are not counted
 };
 
-/// Whose processor time counts: where several threads do different things at once, what one of them
-/// did is known of that thread alone.
+/// Selects the CPU time to count. If several threads do different things at once, only the time of
+/// one thread can be attributed to its action.
 enum class ProcessorTime { of_process, of_thread };
 
 /// Measures what is spent from its making on.
 class Stopwatch {
  public:
-  /// Of a process, what the thread of the clock `apart` spends does not count: it does something
-  /// else meanwhile.
+  /// If the process is counted, the time of the thread with the clock `excluded` is subtracted,
+  /// because that thread does unrelated work.
   explicit Stopwatch(ProcessorTime counted = ProcessorTime::of_process,
                      std::optional<clockid_t> excluded = {});
 
   std::chrono::steady_clock::time_point start() const { return start_; }
 
-  /// Of the processor that of this process alone.
+  /// CPU time is that of this process alone.
   Spent spent() const;
 
  private:

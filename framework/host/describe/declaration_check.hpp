@@ -8,9 +8,9 @@
 
 namespace weft::host {
 
-/// What is wrong with a parameter that a component declares, so that no pipeline could use it as it
-/// is or no manifest hold it; empty where nothing is. One of an unknown type is a later version's
-/// and may be: its value is not looked at.
+/// The error of a declared parameter that makes it unusable for pipelines or manifests; empty if
+/// there is none. A parameter of an unknown type may come from a later version, and its value is
+/// not checked.
 std::string wrong_declaration(const weft_parameter& parameter);
 
 /// The same of an array of a vendor's record type.

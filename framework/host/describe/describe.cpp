@@ -19,7 +19,7 @@
 namespace weft::host {
 namespace {
 
-/// What a sweep may take of a parameter that is one number.
+/// The range of a numeric parameter for a sweep.
 struct Number {
   std::string name;
   double minimum, maximum;
@@ -73,7 +73,7 @@ struct Declarations {
 
 struct Extension {
   const char* name;
-  std::size_t bytes;  ///< of its table, which begins with its size
+  std::size_t bytes;  ///< size of its table, which begins with its size
 };
 constexpr Extension kExtensions[] = {{WEFT_DEVICE_MEMORY, sizeof(weft_device_memory)},
                                      {WEFT_DEVICES, sizeof(weft_devices)},
@@ -82,7 +82,7 @@ constexpr Extension kExtensions[] = {{WEFT_DEVICE_MEMORY, sizeof(weft_device_mem
                                      {WEFT_STEERING, sizeof(weft_steering)},
                                      {WEFT_ISOLATION, sizeof(weft_isolation)}};
 
-/// Those abilities beyond its role that this version of Weft knows of.
+/// The extensions beyond its role that this version of Weft supports.
 std::string extensions(const weft_component& component) {
   std::string list;
   for (const Extension& extension : kExtensions) {
@@ -93,7 +93,7 @@ std::string extensions(const weft_component& component) {
   return words(list);
 }
 
-/// A reference without the word before it that says how the component follows it.
+/// A reference without its first word, which specifies how the component follows it.
 struct Reference {
   std::string_view implements;  ///< "paper", "reconstruction" or "own"; empty where none is given
   std::string_view text;
@@ -107,7 +107,7 @@ Reference reference_of(std::string_view text) {
   return {{}, text};
 }
 
-/// What is wrong with a component before it says anything of its parameters, or an empty text.
+/// The error of a component apart from its parameters, or an empty text.
 std::string wrong_component(const weft_component& component, bool is_newer) {
   if (!is_component_id(component.id)) {
     return "its id '" + escaped(component.id) +
@@ -140,7 +140,7 @@ std::string write_sweep(std::ostream& out, const weft_sweep& sweep,
   const std::string name = sweep.parameter;
   const auto number_of = std::find_if(numbers.begin(), numbers.end(),
                                       [&](const Number& each) { return each.name == name; });
-  if (number_of == numbers.end()) return "its sweep is of '" + name + "', which is no number of it";
+  if (number_of == numbers.end()) return "its sweep names '" + name + "', which is no number of it";
   const double* end = sweep.values + sweep.count;
   const bool rising = std::adjacent_find(sweep.values, end, std::greater_equal<>()) == end;
   const bool legal = sweep.count >= 2 && rising && sweep.values[0] >= number_of->minimum &&

@@ -8,9 +8,9 @@
 
 namespace weft::host {
 
-/// The manifest, as YAML, of a plugin library: what its table and its components' declarations
-/// say, bound to the file by its build-id. Fails with plugin_failure when a constructor fails while
-/// it declares its parameters, or a declaration contradicts itself.
+/// The manifest of a plugin library as YAML, from its table and its components' declarations, bound
+/// to the file by its build-id. Fails with plugin_failure if a constructor fails while it declares
+/// its parameters, or if a declaration contradicts itself.
 Result<std::string> describe_library(const weft_library_table& library,
                                      const std::string& build_id);
 

@@ -8,7 +8,7 @@
 namespace weft::host {
 namespace {
 
-/// What the dynamic section of a library says, by tag.
+/// The entries of a library's dynamic section, by tag.
 class DynamicTables {
  public:
   explicit DynamicTables(const ElfFile& file) : file_(file) {}
@@ -39,7 +39,7 @@ class DynamicTables {
   }
 
  private:
-  /// A table and what says how long it is: another tag, or else its least size in bytes.
+  /// A table and the source of its size: another tag, or else its least size in bytes.
   struct Place {
     std::int64_t at, size;
     std::uint64_t least;
@@ -58,7 +58,7 @@ class DynamicTables {
                                       {DT_INIT, 0, 1},
                                       {DT_FINI, 0, 1}};
 
-  /// The tags that point to a section of a type, and say how long it is or how many parts it has.
+  /// The tags that point to a section of a type, and give its size or its number of parts.
   struct Twin {
     std::uint32_t type;
     std::int64_t at, size, parts;
@@ -119,14 +119,15 @@ class DynamicTables {
     return nullptr;
   }
 
-  /// Whether an absent table is absent, and one that is there is a section, whole.
+  /// True if a table is absent or is exactly one section.
   bool is_section(std::uint32_t type, std::int64_t at, std::int64_t size) const {
     if (find(at) == nullptr) return true;
     const Elf64_Shdr* section = section_at(type, at);
     return section != nullptr && (size == 0 || value(size) == section->sh_size);
   }
 
-  /// What the linker wrote twice is the same, where sections were not stripped.
+  /// Checks that section headers, if not stripped, agree with the dynamic section: the linker
+  /// writes both.
   bool sections_agree() const {
     const auto is_size = [&](std::int64_t tag, std::uint64_t size) {
       return find(tag) == nullptr || value(tag) == size;
@@ -170,7 +171,7 @@ class DynamicTables {
     });
   }
 
-  /// Where a table stands in memory.
+  /// The address range of a table in memory.
   struct Range {
     std::uint64_t start, bytes;
 

@@ -151,7 +151,7 @@ Result<void> ElfFile::check_sections() const {
       return damaged("its sections and segments contradict each other");
     }
   }
-  // What is made read-only after loading ends before that which is written to later.
+  // The segment that is made read-only after loading ends before the data that stay writable.
   const auto is_zeroed = [](const Elf64_Shdr& section) {
     return section.sh_type == SHT_NOBITS && (section.sh_flags & SHF_TLS) == 0 &&
            (section.sh_flags & SHF_ALLOC) != 0 && section.sh_size > 0;

@@ -10,14 +10,14 @@
 
 namespace weft::host {
 
-/// The headers of a 64-bit ELF file that has been found whole, read without mapping it. Whoever
-/// maps a file that is cut off is ended by a signal when it touches what is not there, so nothing
-/// is loaded that was not opened here before.
+/// The headers of a complete 64-bit ELF file, read without mapping it. A process that maps a
+/// truncated file is killed by a signal at the first access beyond its end. For this reason each
+/// library is opened here before it is loaded.
 class ElfFile {
  public:
-  /// Fails with io when there is no regular file that can be read, with incompatible when its
-  /// headers name bytes that the file does not have, or contradict each other: "is a truncated ELF
-  /// file". Does not wait for a pipe.
+  /// Fails with io if there is no readable regular file. Fails with incompatible if its headers
+  /// contradict each other or name bytes that the file does not have: "is a truncated ELF file".
+  /// Does not wait for a pipe.
   static Result<ElfFile> open(const std::string& path);
 
   ElfFile(ElfFile&& other) noexcept;
@@ -31,7 +31,7 @@ class ElfFile {
   /// False unless all `bytes` at `offset` of the file were read.
   bool read(std::uint64_t offset, void* target, std::uint64_t bytes) const;
 
-  /// Whether the file has these bytes.
+  /// True if the file has these bytes.
   bool has(std::uint64_t offset, std::uint64_t bytes) const {
     return offset <= size_ && bytes <= size_ - offset;
   }
@@ -55,8 +55,8 @@ class ElfFile {
   std::vector<Elf64_Shdr> sections_;
 };
 
-/// Whether the dynamic linker can follow the tables of a library: each lies in what is loaded, and
-/// what it is told to write to is writable. Fails with incompatible.
+/// Checks that the dynamic linker can follow the tables of a library: each table is in a loaded
+/// segment, and each relocation target is writable. Fails with incompatible.
 Result<void> check_dynamic_tables(const ElfFile& file);
 
 /// The names in the dynamic section of a library: of what it needs, and of symbols that it takes or

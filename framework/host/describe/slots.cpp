@@ -33,7 +33,7 @@ std::vector<std::string> words_of(const char* list) {
   return {std::istream_iterator<std::string>(stream), std::istream_iterator<std::string>()};
 }
 
-/// What is wrong with a list of names, separated by blanks, or an empty text.
+/// The first error of a list of names, separated by blanks, or an empty text.
 std::string unknown_name(const char* list, const Role& role, Slots slots, const char* what) {
   const std::vector<std::string> known = names_of(role, slots);
   std::string all;

@@ -10,10 +10,10 @@
 
 namespace weft::host {
 
-/// What this host can do beyond weft_host: nothing yet.
+/// The functions of this host beyond weft_host: none yet.
 inline const void* host_extension(const char* /*name*/) { return nullptr; }
 
-/// What a component is made from. Its host answers no calls: there is none to answer for.
+/// The arguments that create a component without a running call. Its host answers no calls.
 inline weft_create made_from(const std::vector<weft_value>& values) {
   static constexpr weft_host kHost{sizeof(weft_host), 0,       nullptr, nullptr,
                                    nullptr,           nullptr, nullptr, &host_extension};

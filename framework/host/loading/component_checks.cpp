@@ -41,7 +41,7 @@ std::string identity_of(const ComponentSpec& spec) {
   return key;
 }
 
-/// Where a mistake of an unknown parameter is said to be.
+/// The position at which an unknown parameter is reported.
 yaml::Position place_of(const ComponentSpec& spec) {
   const yaml::Node* use = spec.effective.find("use");
   return use != nullptr ? use->at : spec.effective.at;
@@ -86,7 +86,7 @@ std::vector<ComponentChecks::Mistake> ComponentChecks::mistakes_of(const Compone
 
 void ComponentChecks::ask(const ComponentSpec& spec, std::vector<yaml::Problem>& problems,
                           std::vector<yaml::Problem>* warnings) {
-  if (spec.installed == nullptr) return;  // a mistake that was reported
+  if (spec.installed == nullptr) return;  // an error that was already reported
   const std::vector<std::string>& extensions = spec.component().extensions;
   const bool asks = std::find(extensions.begin(), extensions.end(), WEFT_CHECK) != extensions.end();
   if (asks && spec.bound) {

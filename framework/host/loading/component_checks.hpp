@@ -11,18 +11,18 @@
 
 namespace weft::host {
 
-/// What components say of their own parameters before anything runs (WEFT_CHECK): of files that
-/// they cannot read, patterns without a match, values that exclude one another. Only libraries
-/// whose manifest has the extension are loaded. The same component with the same parameters is
-/// asked once in the life of this object, so that a plan of many cells reads each file once.
+/// Runs the components' own checks of their parameters before anything runs (WEFT_CHECK): files
+/// that cannot be read, patterns without a match, values that exclude one another. Only libraries
+/// whose manifest has the extension are loaded. Each pair of component and parameters is checked
+/// once in the life of this object, so that a plan of many cells reads each file once.
 class ComponentChecks {
  public:
-  /// `asking` is told the id of each component before its library is loaded and it is asked.
+  /// `asking` gets the id of each component before its library is loaded and its check is called.
   explicit ComponentChecks(std::function<void(const std::string& id)> asking = {})
       : asking_(std::move(asking)) {}
 
-  /// Appends the mistakes of the component and of those nested in it, each at the value of the
-  /// parameter that it is about, or at `use`; likewise what is doubtful to `warnings`, if given.
+  /// Appends the errors of the component and of those nested in it, each at the value of its
+  /// parameter, or at `use`. Doubtful values are appended to `warnings`, if given.
   void ask(const ComponentSpec& spec, std::vector<yaml::Problem>& problems,
            std::vector<yaml::Problem>* warnings = nullptr);
 

@@ -5,7 +5,7 @@
 
 namespace weft::host {
 
-/// The keys of a component; places of a pipeline add some of their own.
+/// The keys of a component; some places of a pipeline add further keys.
 inline const yaml::KeyTable& component_keys() {
   static const yaml::KeyTable kKeys =
       yaml::KeyTableBuilder()

@@ -56,7 +56,9 @@ class Binder {
     for (const ParameterSpec& parameter : component.parameters) {
       const yaml::Node* given = params != nullptr ? params->find(parameter.name) : nullptr;
       const bool is_value = parameter.type != WEFT_VALUE_COMPONENT && !parameter.required;
-      if (given == nullptr && has_own_defaults && is_value) continue;  // the component knows it
+      if (given == nullptr && has_own_defaults && is_value)
+        continue;  // the component has its own
+                   // default
       if (given == nullptr && parameter.required) {
         spec_.bound = false;
         if (unclear) continue;
@@ -78,7 +80,7 @@ class Binder {
   }
 
  private:
-  /// Whether `preset` has another value than by default. Then the manifest's defaults of the other
+  /// True if `preset` has another value than by default. Then the manifest's defaults of the other
   /// parameters do not hold.
   bool chooses_preset(const yaml::Node* params) const {
     const yaml::Node* preset = params != nullptr ? params->find("preset") : nullptr;
@@ -178,7 +180,7 @@ class Binder {
     if (numbers) spec_.arguments.add_integers(parameter.name, *std::move(numbers));
   }
 
-  /// Nothing where one is wrong, which has been said.
+  /// Nothing if a number is illegal, which has been reported.
   template <class Number>
   std::optional<std::vector<Number>> numbers_of(const ParameterSpec& parameter,
                                                 const yaml::Node& value,
@@ -324,7 +326,7 @@ class Binder {
     spec_.nested.push_back({parameter.name, std::move(nested)});
   }
 
-  /// Of a key that is a parameter of the default component.
+  /// The suggestion for a key that is a parameter of the default component.
   std::string meant_parameter(const ParameterSpec& parameter, const std::string& key) const {
     const Installed* component = registry_.find(parameter.default_value.scalar);
     if (component == nullptr) return {};

@@ -20,7 +20,7 @@ struct PathRules {
   std::vector<std::string> input_folders;  ///< by yaml::Position::source: where that text stands
   std::string output_folder;               ///< the run folder
   std::function<std::optional<std::string>(const std::string&)> variable;
-  /// What is missing may stand in a file that cannot be read, which has been reported.
+  /// The missing key may be in a file that cannot be read, which has been reported.
   bool unclear = false;
 
   static PathRules of_process(std::vector<std::string> input_folders, std::string output_folder);
@@ -34,7 +34,7 @@ struct ComponentSpec {
   Arguments arguments;
   std::vector<NestedSpec> nested;  ///< [.] its nested components
   yaml::Node effective;            ///< {use, params} with all defaults, paths as they were resolved
-  /// By parameter, what files have in place of a secret text, see secrets.hpp.
+  /// The text of secret parameters as written in files, by parameter; see secrets.hpp.
   std::map<std::string, std::string> hidden;
   bool bound = false;  ///< all its own parameters have legal values: it can be created
 
@@ -48,13 +48,13 @@ struct NestedSpec {
 };
 
 /// Checks `use` and `params` (may be null) against what is installed, nested components included.
-/// Mistakes are appended to `problems`; nothing is returned when there are any.
+/// Errors are appended to `problems`; nothing is returned if there are any.
 std::optional<ComponentSpec> resolve_component(const Registry& registry, const yaml::Node& use,
                                                const yaml::Node* params, const PathRules& paths,
                                                std::vector<yaml::Problem>& problems);
 
-/// The same for what stands in a file with mistakes: what is known of the component and of those
-/// nested in it, where `installed` is null of each that is not.
+/// The same for a specification with errors. Returns the known part of the component and of those
+/// nested in it; `installed` is null for each unknown one.
 ComponentSpec resolve_known_part(const Registry& registry, const yaml::Node& use,
                                  const yaml::Node* params, const PathRules& paths,
                                  std::vector<yaml::Problem>& problems);
@@ -65,7 +65,7 @@ std::optional<yaml::Position> place_of(const ComponentSpec& spec, std::string_vi
 /// The name of the first parameter that is a length in metres, or an empty text.
 std::string length_parameter(const ComponentSpec& spec);
 
-/// Expands ${NAME} and ${NAME:-default} in a text; the Error says which variable is not set.
+/// Expands ${NAME} and ${NAME:-default} in a text; the Error names the variable that is not set.
 Result<std::string> expand_variables(const std::string& text, const PathRules& paths);
 
 /// The same in a path, and `~/` and `$NAME/` at its beginning.

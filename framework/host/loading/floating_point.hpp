@@ -22,7 +22,7 @@ class FloatingPointMode {
 
  private:
   static constexpr unsigned kFlags =
-      0x3F;  ///< what happened so far; the rest says what is to happen
+      0x3F;  ///< exception flags so far; the other bits are control bits
   static unsigned control() { return _mm_getcsr() & ~kFlags; }
 
   int rounding_ = std::fegetround();

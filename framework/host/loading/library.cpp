@@ -19,7 +19,7 @@ Error incompatible(const std::string& file, const std::string& message) {
   return {Errc::incompatible, message, file};
 }
 
-/// What is wrong with a component of a table, or null.
+/// The error of a component in a table, or null.
 const char* damage_of(const weft_component& component) {
   const auto any_null = [](auto... pointers) { return ((pointers == nullptr) || ...); };
   if (component.struct_size < sizeof(weft_component)) return "its struct_size is too small";
@@ -35,11 +35,12 @@ const char* damage_of(const weft_component& component) {
   return nullptr;
 }
 
-/// What is wrong with a library's table, or empty.
+/// The error of a library's table, or empty.
 std::string damage_of(const weft_library_table& table) {
   constexpr std::uint32_t kMostComponents = 4096;
   if (table.struct_size < sizeof(weft_library_table)) return "its struct_size is too small";
-  // What a later minor version has made of the reserved fields can be ignored, or it would say so.
+  // A host can ignore the reserved fields that a later minor version uses, unless a flag forbids
+  // it.
   const bool reserved_used =
       table.reserved_half != 0 || std::any_of(std::begin(table.reserved), std::end(table.reserved),
                                               [](std::uint64_t field) { return field != 0; });
@@ -73,7 +74,7 @@ Result<void> check_table(const weft_library_table& table, const std::string& fil
   return incompatible(file, "has a damaged library table: " + damage + "; rebuild the plugin");
 }
 
-/// Whether a symbol stands for data of at least so many bytes.
+/// True if a symbol is data of at least `bytes` bytes.
 bool is_data(const void* symbol, std::size_t bytes) {
   Dl_info where{};
   const ElfW(Sym)* entry = nullptr;
@@ -99,7 +100,7 @@ boost::dll::shared_library open_library(const std::string& file,
   return library;
 }
 
-/// Of flags, those that a host must not ignore.
+/// The flags that a host must not ignore.
 constexpr std::uint32_t kMustBeKnown = 0xFFFF0000U;
 
 }  // namespace
@@ -157,9 +158,9 @@ Result<const weft_component*> load(const Installed& installed) {
     const weft_component* component = (*table)->components[i];
     if (component->id != installed.component.id) continue;
     if ((((*table)->flags | component->flags) & kMustBeKnown) == 0) return component;
-    return incompatible(file, "'" + installed.component.id +
-                                  "' asks for what this version of Weft cannot do; install a newer "
-                                  "one");
+    return incompatible(
+        file, "'" + installed.component.id +
+                  "' requires a feature that this version of Weft lacks; install a newer one");
   }
   return incompatible(file, "does not contain '" + installed.component.id +
                                 "'; rebuild it so that library and manifest belong together");

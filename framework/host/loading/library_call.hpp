@@ -24,8 +24,8 @@ class OneProcess {
   pid_t process_ = getpid();
 };
 
-/// The status of a function of a library, which is not trusted to keep its promises: an exception
-/// is its error, and the floating-point mode is set back. `kept_mode` says whether that was needed.
+/// The status of a function of a library. The library may break its contract: an exception becomes
+/// its error, and the floating-point mode is restored. `kept_mode` is false if that was necessary.
 template <class Function>
 std::int32_t call_library(weft_error& error, Function&& function, bool* kept_mode = nullptr) {
   const OneProcess one;

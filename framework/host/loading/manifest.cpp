@@ -167,7 +167,7 @@ ComponentManifest read_component(const yaml::Node& node) {
 
 Manifest read_root(const yaml::Node& root) {
   Manifest manifest;
-  if (text(root, "weft_plugin") != "1") throw Missing{root.at, "is of another manifest version"};
+  if (text(root, "weft_plugin") != "1") throw Missing{root.at, "has another manifest version"};
   const yaml::Node& abi = get(root, "abi");
   if (abi.items.size() != 2) throw Missing{abi.at, "'abi' is not [major, minor]"};
   const auto version = [](const yaml::Node& part) {

@@ -29,11 +29,11 @@ struct ParameterSpec {
   bool bounded = false;
   double minimum = 0.0;              ///< in `unit`, inclusive
   double maximum = 0.0;              ///< in `unit`, inclusive
-  std::vector<std::string> choices;  ///< of an input path: words that may stand in its place
-  std::string role;                  ///< of a component parameter
+  std::vector<std::string> choices;  ///< for an input path: words that are legal instead of a path
+  std::string role;                  ///< role of a component parameter
   std::string was;                   ///< its name in older versions, or empty
 
-  /// Whether the value of an input path names a file or files.
+  /// True if the value of an input path names a file or files.
   bool names_files(const std::string& value) const {
     return type == WEFT_VALUE_INPUT_PATH && !value.empty() &&
            std::find(choices.begin(), choices.end(), value) == choices.end();
@@ -57,14 +57,16 @@ struct ComponentManifest {
   std::vector<std::string> extensions;                    ///< "weft.devices/1"
   std::vector<ParameterSpec> parameters;                  ///< [.] in the order of declaration
   std::optional<SweepSpec> sweep;                         ///< values of a ROC curve, if declared
-  std::vector<RecordSchema> record_types;                 ///< of vendors, those of `records`
+  std::vector<RecordSchema> record_types;                 ///< record types of vendors among
+                                                          ///< `records`
   std::shared_ptr<const RoleRules> open_rules = nullptr;  ///< its own, where its role is open
-  std::string unknown;  ///< what this version of Weft does not know of it, in words, or empty
+  std::string unknown;  ///< features that this version of Weft does not support, in words, or empty
 
-  /// What its role means to the host, with its own slots where the role leaves them open.
+  /// How the host treats its role, with the component's own slots if the role leaves them open.
   const RoleRules& rules() const { return open_rules != nullptr ? *open_rules : rules_of(role()); }
   const RecordSchema* schema_of(std::string_view type) const;
-  /// Makes `open_rules` of what it says of itself, or says in `unknown` why they cannot be.
+  /// Derives `open_rules` from the component's declarations, or explains in `unknown` why they are
+  /// illegal.
   void find_rules();
   std::string role() const { return id.substr(0, id.find('/')); }
   bool has_extension(std::string_view name) const {
@@ -75,12 +77,12 @@ struct ComponentManifest {
   bool steers_runs() const { return has_extension(WEFT_STEERING); }
 };
 
-/// What stands beside a library, readable without loading it.
+/// The description of a library, stored beside it and readable without loading it.
 struct Manifest {
-  std::string file;     ///< of the manifest
-  std::string library;  ///< of the shared object beside it
+  std::string file;     ///< path of the manifest
+  std::string library;  ///< shared object beside the manifest
   int abi_major = 0;    ///< [] WEFT_ABI_MAJOR of its build
-  int abi_minor = 0;    ///< of the header that it was built with
+  int abi_minor = 0;    ///< minor version of the header with which it was built
   int needs_minor = 0;  ///< the oldest host that it works with
   std::string build_id, compiler;
   std::vector<std::string> isa;               ///< [.] required processor features

@@ -19,17 +19,16 @@ PathRules PathRules::of_process(std::vector<std::string> input_folders, std::str
 
 namespace {
 
-/// The text with `${NAME}` in place of the shell's `~` and `$NAME` at its beginning.
+/// The text with `${NAME}` instead of the shell's `~` or `$NAME` at its beginning.
 Result<std::string> with_braces(const std::string& text) {
   const std::size_t end = std::min(text.find('/'), text.size());
   const std::string first = text.substr(0, end), rest = text.substr(end);
   if (first == "~") return "${HOME}" + rest;
   if (first.starts_with('~')) {
-    return Error{Errc::invalid_value,
-                 quote(text) +
-                     " begins with ~, of which only ~/ (your home folder) is expanded; "
-                     "write the whole path, or " +
-                     quote("./" + text) + " for a file of that name"};
+    return Error{Errc::invalid_value, quote(text) +
+                                          " begins with ~, but only ~/ (your home folder) is "
+                                          "expanded; write the whole path, or " +
+                                          quote("./" + text) + " for a file of that name"};
   }
   const auto is_letter = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';

@@ -17,14 +17,14 @@ namespace {
 enum Leaf : std::uint8_t { kBasic, kExtended, kExtended1, kAmd, kLeaves };
 enum Register : std::uint8_t { kEax, kEbx, kEcx, kEdx, kRegisters };
 
-/// What the system must save for a thread (register XCR0).
+/// Register state that the system must save for each thread (register XCR0).
 constexpr std::uint64_t kAvxState = 0x6, kAvx512State = 0xE6, kAmxState = 0x60000,
                         kApxState = 0x80000;
 
 struct Feature {
   const char* name;
-  /// What Linux calls it in /proc/cpuinfo; empty where Linux 6.1, the oldest one that Weft
-  /// supports, does not list it.
+  /// Name in Linux's /proc/cpuinfo; empty if Linux 6.1, the oldest supported version, does not list
+  /// the feature.
   std::string_view kernel_name;
   Leaf leaf;
   Register place;
@@ -106,7 +106,7 @@ Answers ask_processor() {
   };
   ask(kBasic, 1, 0);
   ask(kExtended, 7, 0);
-  // A part beyond the last one, which register EAX tells, is answered with anything.
+  // Beyond the last part, which register EAX reports, the processor returns arbitrary values.
   if (answers[kExtended][kEax] >= 1) ask(kExtended1, 7, 1);
   ask(kAmd, 0x80000001U, 0);
   return answers;
@@ -125,7 +125,7 @@ Answers ask_processor() { return {}; }
 std::uint64_t saved_state(const Answers&) { return 0; }
 #endif
 
-/// Whether the kernel lists a feature, or says nothing of it.
+/// True if the kernel lists a feature, or if there is no list or no name to look for.
 bool lists(std::string_view flags, std::string_view name) {
   if (flags.empty() || name.empty()) return true;
   const std::string words = " " + std::string(flags) + " ";

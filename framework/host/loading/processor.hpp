@@ -17,13 +17,13 @@ std::string kernel_flags();
 /// features that Linux 6.1 does not list, leave the decision to CPUID.
 std::vector<std::string> processor_features(std::string_view flags = kernel_flags());
 
-/// Whether plugins may use this one; false for a name that is not known.
+/// True if plugins may use this feature; false for an unknown name.
 bool processor_has(std::string_view feature);
 
-/// Whether a name is known: that of a feature that this or another processor may have.
+/// True for the name of a feature that this or another processor may have.
 bool is_processor_feature(std::string_view name);
 
-/// What the processor calls itself; "unknown" where the system does not say.
+/// The processor's name for itself; "unknown" if the system does not report it.
 std::string processor_name();
 
 }  // namespace weft::host

@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What is wrong with the features that a library assumes, or an empty text. One that a later Weft
-/// has a name for counts as missing.
+/// An error text about the features that a library assumes but that are missing, or an empty text.
+/// A feature that only a later Weft can name counts as missing.
 std::string missing_features(const std::vector<std::string>& isa) {
   std::string missing, unknown;
   for (const std::string& feature : isa) {
@@ -43,7 +43,7 @@ std::vector<std::string> ids_of(const Manifest& manifest) {
   return ids;
 }
 
-/// What is wrong with the ids of a library, or empty.
+/// The error of the ids of a library, or empty.
 std::string illegal_id(const Manifest& manifest) {
   std::vector<std::string> seen;
   for (const ComponentManifest& component : manifest.components) {
@@ -57,8 +57,8 @@ std::string illegal_id(const Manifest& manifest) {
   return {};
 }
 
-/// A record type of which the component knows other versions than this one, in words, or empty. A
-/// type of another name is one of an optional slot, which is never delivered here.
+/// A record type for which the component supports only other versions, in words, or empty. A type
+/// with another name belongs to an optional slot, which is never delivered here.
 std::string other_version(const ComponentManifest& component) {
   const auto name_of = [](std::string_view type) { return type.substr(0, type.find('/')); };
   for (const RoleMethod& method : component.rules().role.methods) {
@@ -139,7 +139,7 @@ std::optional<Refusal> check(const Manifest& manifest) {
                   "run: weft plugins describe " + shell_word(manifest.library));
   }
   if (const std::string missing = missing_features(manifest.isa); !missing.empty()) {
-    return refuse(missing, "rebuild the plugin without the flags that ask for them");
+    return refuse(missing, "rebuild the plugin without the flags that require them");
   }
   if (const std::string illegal = illegal_id(manifest); !illegal.empty()) {
     return refuse(illegal, "correct the id in the plugin's source and rebuild it");
@@ -296,7 +296,7 @@ std::string Registry::explain_missing(std::string_view id) const {
       std::any_of(installed_.begin(), installed_.end(),
                   [&](const Installed& entry) { return entry.component.role() == role; });
   std::vector<std::string> ids;
-  std::set<std::string> others;  // of this role, or the roles
+  std::set<std::string> others;  // ids with this role, or the roles
   for (const Installed& entry : installed_) {
     ids.push_back(entry.component.id);
     if (!has_role) others.insert(entry.component.role());
@@ -308,7 +308,7 @@ std::string Registry::explain_missing(std::string_view id) const {
   return "no plugin " + quote(id) + " is installed" +
          did_you_mean(id, ids,
                       (has_role ? "; there are: " : "; an id begins with one of these roles: ") +
-                          list + "; the folder of one of your own is given by --plugin-path");
+                          list + "; give the folder of a custom plugin by --plugin-path");
 }
 
 }  // namespace weft::host

@@ -10,7 +10,7 @@
 
 namespace weft::host {
 
-/// Where plugins are looked for, and who said so.
+/// A folder that is searched for plugins, and the setting that named it.
 struct SearchFolder {
   std::string path;
   std::string origin;  ///< "--plugin-path", "WEFT_PLUGIN_PATH", kOwnOrigin
@@ -38,7 +38,7 @@ struct Installed {
   bool is_own = false;  ///< it came with the program: its folder is that beside it
 };
 
-/// What is installed, known from manifests alone: nothing is loaded.
+/// The installed components, read from manifests alone: no library is loaded.
 class Registry {
  public:
   /// Reads all manifests of the folders; the first folder that has an id wins.
@@ -61,13 +61,14 @@ class Registry {
   void scan_folder(const SearchFolder& folder);
   void add(const SearchFolder& folder, std::vector<Manifest> manifests);
 
-  std::string own_folder_;  ///< "beside the program", whoever named it first; or empty
+  std::string own_folder_;  ///< the folder "beside the program", even if another setting named it
+                            ///< first; or empty
   std::vector<SearchFolder> folders_;
   std::vector<Installed> installed_;
   std::vector<Refusal> refusals_;
 };
 
-/// The binary contract that this host speaks: "0.2".
+/// The version of the binary contract that this host implements: "0.2".
 std::string abi_version();
 
 /// Why a library of this major version, which needs this minor one, cannot be used; empty where it

@@ -12,7 +12,7 @@ namespace {
 
 struct Sanitizer {
   const char *name, *option;
-  std::string_view symbol;   ///< what instrumented code begins to call, or how that begins
+  std::string_view symbol;   ///< symbol that instrumented code calls, or a prefix of it
   std::string_view library;  ///< how the name of GCC's runtime begins
   const char* preloaded;  ///< Clang's runtime; null where a program not built so reports anything
   bool comes_late;        ///< the runtime may be loaded with the library

@@ -11,9 +11,9 @@ struct MissingSanitizer {
   std::string fix;
 };
 
-/// Of a library that was built with a sanitizer whose runtime is not in this process, and cannot
-/// come with the library: the runtime ends the process, or its symbols are missing. The file is
-/// read, not loaded; nothing of one that cannot be read.
+/// The missing runtime of a library that was built with a sanitizer, if this process lacks that
+/// runtime. It cannot be loaded with the library: it would end the process, or its symbols are
+/// missing. The file is read, not loaded; the result is empty if it is unreadable.
 std::optional<MissingSanitizer> missing_sanitizer(const std::string& library);
 
 }  // namespace weft::host

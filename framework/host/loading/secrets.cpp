@@ -29,7 +29,7 @@ std::optional<std::pair<std::size_t, std::size_t>> password_in(const std::string
   return std::pair(colon + 1, at - colon - 1);
 }
 
-/// Whether a value of YAML gives a secret parameter, such as {token: x}.
+/// True if a value of YAML contains a secret parameter, such as {token: x}.
 bool gives_secret(std::string_view value) {
   for (std::size_t colon = value.find(':'); colon != value.npos;
        colon = value.find(':', colon + 1)) {

@@ -10,13 +10,13 @@
 /// Values that must not be written into files, tables of contents of files, or messages.
 namespace weft::host {
 
-/// Whether a parameter holds a secret by its name: `token`, `password`, `passphrase`, `secret`,
-/// `api_key`, or one that ends with an underscore and one of these, such as `camera_password`.
+/// True if a parameter is secret by its name: `token`, `password`, `passphrase`, `secret`,
+/// `api_key`, or a name that ends with an underscore and one of these, such as `camera_password`.
 bool is_secret(std::string_view parameter);
 
-/// The text that files have in place of a secret: as it was written where that names a variable of
-/// the environment, else a variable to set, `${WEFT_TOKEN}` for `token`. Also hides the password of
-/// an address such as rtsp://user:password@camera. Nothing where the value is no secret.
+/// The text that files contain instead of a secret. It is the written text if that names an
+/// environment variable, else a variable to set, `${WEFT_TOKEN}` for `token`. Also hides the
+/// password of an address such as rtsp://user:password@camera. Empty if the value is no secret.
 std::optional<std::string> hidden_text(std::string_view parameter, const std::string& written,
                                        const std::string& value);
 

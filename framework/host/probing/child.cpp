@@ -24,7 +24,7 @@ constexpr std::size_t kLongestAnswer_bytes = 256 << 20;
 
 /// How an answer goes through a pipe: this, then the texts one behind the other.
 struct Header {
-  std::int32_t code = 0;  ///< of an Error; 0 for an answer
+  std::int32_t code = 0;  ///< code of an Error; 0 for an answer
   std::array<std::uint64_t, 2> sizes{};
 };
 

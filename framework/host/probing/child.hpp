@@ -8,12 +8,12 @@
 
 namespace weft::host {
 
-/// What `find_out` returns in a copy of this process, which may do there what it likes: crash, end
-/// the process, hang, print to stdout. Fails with incompatible, without a place, where no answer
-/// came: "ends the process that loads it by signal 11 (Segmentation fault)"; with io where there
-/// can be no other process. A copy that takes longer than `longest` is killed, and what it started
-/// with it. Not for programs that have threads already: those are not copied, nor the locks that
-/// they hold given back.
+/// The result of `find_out` in a copy of this process, in which it may crash, end the process, hang
+/// or print to stdout. Fails with incompatible, without a position, if no answer came: "ends the
+/// process that loads it by signal 11 (Segmentation fault)". Fails with io if no process can be
+/// started. A copy that takes longer than `longest` is killed, together with the processes that it
+/// started. The calling program must have no other threads: a copy has neither these threads nor a
+/// way to release their locks.
 Result<std::string> ask_in_child(const std::function<Result<std::string>()>& find_out,
                                  std::chrono::milliseconds longest);
 

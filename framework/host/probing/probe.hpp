@@ -8,11 +8,11 @@
 
 namespace weft::host {
 
-// What a library says when it is loaded, which happens in a process of its own: in a copy of this
-// one. A library that crashes, ends its process or hangs is an Error with what it did. It is not
-// heard: what it prints to stdout is dropped. For programs that have no threads yet.
+// The description of a library, which is loaded in a copy of this process. A library that crashes,
+// ends its process or hangs is an Error that describes the cause. Its output to stdout is dropped.
+// The calling program must have no other threads.
 
-/// Whether a library has a component and can be loaded; fails as load().
+/// Checks that a library has a component and can be loaded; fails as load().
 Result<void> probe_component(const std::string& library, const std::string& id);
 
 /// The manifest of a library, as YAML. Its first component must be `first`, where that is not

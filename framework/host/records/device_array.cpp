@@ -10,7 +10,7 @@
 namespace weft::host {
 namespace {
 
-/// Whether an array lies where a component that has arrays in `own` cannot read.
+/// True if an array is in memory that a component with arrays in `own` cannot read.
 bool is_out_of_reach(const weft_array& array, const weft_device_memory* own) {
   if (array.memory != WEFT_DEVICE) return false;
   const DeviceArray* device = DeviceArray::of(array);

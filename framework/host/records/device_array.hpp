@@ -17,7 +17,8 @@
 
 namespace weft::host {
 
-/// An array that stays with the library that made it, and its copy here once somebody wanted one.
+/// An array that stays with the library that made it, and its copy in host memory after the first
+/// request for one.
 class DeviceArray {
  public:
   /// Retains the handle of `array`, whose name and shape are legal. `maker` is its component; the
@@ -28,7 +29,7 @@ class DeviceArray {
   DeviceArray(const DeviceArray&) = delete;
   DeviceArray& operator=(const DeviceArray&) = delete;
 
-  /// What `array`, which is in device memory, stands for; null when no host made its entry.
+  /// The DeviceArray behind `array`, which is in device memory; null if no host made its entry.
   static DeviceArray* of(const weft_array& array) { return static_cast<DeviceArray*>(array.owner); }
 
   const weft_device_memory& library() const { return library_; }
@@ -64,7 +65,7 @@ class ReachableInputs {
   Result<std::span<const weft_record>> reach(std::span<const weft_record> inputs,
                                              const weft_device_memory* own, const weft_call& call);
 
-  /// What had to be fetched for this.
+  /// Bytes that were downloaded from the device.
   std::uint64_t downloaded_bytes() const { return downloaded_bytes_; }
 
  private:

@@ -18,7 +18,7 @@ constexpr std::align_val_t kAligned{MemoryPool::kAlignment};
 
 std::size_t bytes_of(std::size_t size) { return std::size_t{1} << size; }
 
-/// While a block is free, AddressSanitizer reports whoever reads or writes it.
+/// While a block is free, AddressSanitizer reports each access to it.
 void forbid([[maybe_unused]] void* block, [[maybe_unused]] std::size_t bytes) {
 #if defined(__SANITIZE_ADDRESS__)
   ASAN_POISON_MEMORY_REGION(block, bytes);

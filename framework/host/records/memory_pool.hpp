@@ -13,13 +13,13 @@
 
 namespace weft::host {
 
-/// Memory that goes from frame to frame: what is given back is handed out again, as it is, to who
-/// asks for the same size. Sizes are powers of two; a page that nobody touches costs nothing.
+/// Memory that is reused from frame to frame: a returned block is handed out again, without
+/// clearing, to the next caller that needs the same size. Sizes are powers of two; a page that is
+/// never touched costs nothing.
 ///
-/// Of each size it keeps, in use or free, as many blocks as were in use at once in this or the last
-/// period of frames; what is more goes back to the allocator when a period ends. So it follows the
-/// data down as well as up, and holds at most what frames needed a short while ago. From any
-/// thread.
+/// For each size, the pool keeps as many blocks as were in use at once in this or the last period
+/// of frames. At the end of a period the other blocks return to the allocator. The pool thus grows
+/// and shrinks with the data, and contains at most the recent need of frames. Safe from any thread.
 class MemoryPool {
  public:
   static constexpr std::size_t kAlignment = 64;
@@ -30,13 +30,14 @@ class MemoryPool {
   MemoryPool(const MemoryPool&) = delete;
   MemoryPool& operator=(const MemoryPool&) = delete;
 
-  /// At least so many bytes, not cleared; null when memory is short.
+  /// At least `bytes` bytes, not cleared; null if memory is short.
   void* take(std::size_t bytes) noexcept;
 
-  /// What was taken with this number of bytes.
+  /// Returns a block that was taken with this number of bytes.
   void give_back(void* block, std::size_t bytes) noexcept;
 
-  /// Tells that this frame is through; of pipelines in step, which all tell it, the first counts.
+  /// Reports that this frame is finished. If several pipelines in step report it, the first report
+  /// counts.
   void frame_done(std::uint64_t frame) noexcept;
 
   /// Keeps nothing from now on. Blocks in use stay so, and go when they are given back.
@@ -50,7 +51,8 @@ class MemoryPool {
  private:
   /// The blocks of one size.
   struct Shelf {
-    void* first = nullptr;             ///< of the free ones: each begins with the place of the next
+    void* first = nullptr;             ///< first free block; each begins with the address of the
+                                       ///< next
     std::size_t free = 0, in_use = 0;  ///< [] numbers of blocks
     std::size_t most = 0, most_before = 0;  ///< in use at once in this period, in the last one
   };
@@ -62,13 +64,13 @@ class MemoryPool {
 
   mutable std::mutex mutex_;
   std::array<Shelf, kSizes> shelves_{};  ///< by the logarithm of the size
-  int frames_ = 0;                       ///< of this period
+  int frames_ = 0;                       ///< frames in this period
   std::uint64_t last_frame_ = ~std::uint64_t{0};
   bool is_closed_ = false;
 };
 
-/// Lets containers and shared objects stand in a pool, which lives as long as they do; without one,
-/// in memory of the allocator.
+/// Lets containers and shared objects allocate from a pool, which lives as long as they do; without
+/// a pool, from the default allocator.
 template <class T>
 class PoolAllocator {
  public:
@@ -107,7 +109,7 @@ class PoolAllocator {
   std::shared_ptr<MemoryPool> pool_;
 };
 
-/// A list whose elements stand in a pool.
+/// A list whose elements are stored in a pool.
 template <class T>
 using PooledVector = std::vector<T, PoolAllocator<T>>;
 

@@ -8,8 +8,8 @@
 
 namespace weft::host {
 
-/// What a function of a plugin wrote into its buffer, made to agree with the status that it
-/// returned; the plugin's id where it named no place. No error for WEFT_OK.
+/// The content of a plugin's error buffer, made consistent with the status that the function
+/// returned. The place is the plugin's id if the plugin set none. No error for WEFT_OK.
 Error plugin_error(std::int32_t status, const weft_error& raw, const std::string& id);
 
 }  // namespace weft::host

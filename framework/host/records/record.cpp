@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kLargestArray = std::int64_t{1} << 40;  // bytes
 
-/// Whether a name can stand in files and reports.
+/// True if a name is legal in files and reports.
 bool is_legal_name(std::string_view name) {
   const auto legal = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
@@ -30,8 +30,8 @@ const char* catalogue_type(std::string_view type) {
   return found;
 }
 
-/// What is wrong with the arrays of third parties, in words, or an empty text: they may hold
-/// anything, but have a name that the catalogue will never use, and can be read.
+/// The error of third-party arrays, in words, or an empty text. Their content is arbitrary, but
+/// they must be readable and have a name that the catalogue will never use.
 std::string illegal_vendor_array(const weft_record& record) {
   for (const weft_array* array = record.arrays; array != record.arrays + record.count; ++array) {
     if (!std::string_view(array->name).starts_with("x.")) continue;

@@ -20,13 +20,13 @@ namespace weft::host {
 /// struct.
 class Record {
  public:
-  /// What it needs stands in `pool`, and its arrays in `arena`, where they are given.
+  /// Its storage is allocated in `pool`, and its arrays in `arena`, if these are given.
   explicit Record(std::string_view type, std::shared_ptr<SharedArena> arena = nullptr,
                   std::shared_ptr<MemoryPool> pool = nullptr);
   Record(const Record&) = delete;
   Record& operator=(const Record&) = delete;
 
-  /// One that stands in the pool itself.
+  /// A record whose own object is stored in the pool too.
   static std::shared_ptr<Record> make(std::string_view type,
                                       const std::shared_ptr<MemoryPool>& pool = nullptr,
                                       const std::shared_ptr<SharedArena>& arena = nullptr) {
@@ -54,7 +54,7 @@ class Record {
   std::uint64_t revision() const { return revision_; }
   void set_revision(std::uint64_t revision) { revision_ = revision; }
   void set_producer(std::uint64_t component) { producer_ = component; }
-  /// That it was made in; 2^64-1 for none.
+  /// The frame in which it was made; 2^64-1 for none.
   void set_frame(std::uint64_t frame) { frame_ = static_cast<std::int64_t>(frame); }
 
   /// The arrays as the contract sees them, valid while this record lives and is not changed.
@@ -106,7 +106,7 @@ using RecordPtr = std::shared_ptr<const Record>;
 /// Records by slot, as one file or one call has them.
 using NamedRecords = PooledVector<std::pair<std::string, RecordPtr>>;
 
-/// Whether no number of an array, which is not in device memory, is NaN or infinite.
+/// True if no number of an array, which is not in device memory, is NaN or infinite.
 bool is_finite(const weft_array& array);
 
 /// The entry of an array that lies contiguous in C order.
@@ -128,12 +128,12 @@ Result<RecordType> arrays_of(const Record& record) {
   return read_arrays<RecordType>(record.view(""));
 }
 
-/// Whether a record has the arrays, types and shapes of the catalogue and holds no NaN or infinity
-/// where none is allowed; the Error names the array.
+/// Checks that a record has the arrays, types and shapes of the catalogue, and no NaN or infinity
+/// in finite fields; the Error names the array.
 Result<void> validate(const weft_record& record);
 
-/// Whether an output of a call is as long as the inputs that it speaks of: a mask as its matches,
-/// samples of a warp as the points, a shape and its visibility as the template's mesh.
+/// Checks that an output of a call is as long as the inputs to which it refers. A mask refers to
+/// its matches, samples of a warp to the points, a shape and its visibility to the template's mesh.
 Result<void> check_lengths(const weft_record& output, std::span<const weft_record> inputs);
 
 }  // namespace weft::host

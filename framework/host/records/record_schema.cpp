@@ -9,7 +9,7 @@
 namespace weft::host {
 namespace {
 
-/// What is wrong with one array, or empty.
+/// The error of one array, or empty.
 std::string problem_of(const weft_array* array, const FieldSchema& field, ShapePattern& lengths) {
   if (array == nullptr) return field.optional ? "" : "is missing";
   if (array->dtype != field.dtype) {

@@ -20,8 +20,8 @@ class SharedMemory {
 
   static constexpr std::size_t kReserve = std::size_t{1} << 34U;  ///< [bytes] of address space
 
-  /// A new, empty file, of which this process is the writer or a reader. Once this process is the
-  /// writer, the kernel refuses every other one.
+  /// A new, empty file. This process is its writer or a reader. Once this process is the writer,
+  /// the kernel refuses every other one.
   static Result<std::shared_ptr<SharedMemory>> create(Access access,
                                                       std::size_t reserve_bytes = kReserve);
 
@@ -45,7 +45,7 @@ class SharedMemory {
   /// The memory at an offset, or null unless all of it is in the file.
   void* at(std::uint64_t offset, std::uint64_t bytes) const;
 
-  /// Where memory stands in the file; nothing when it does not.
+  /// The offset of memory in the file; nothing if the memory is not in the file.
   std::optional<std::uint64_t> offset_of(const void* memory) const;
 
  private:

@@ -18,7 +18,7 @@ constexpr double kRounding = 1e-9;
 /// The values that an array may have.
 struct Legal {
   double least, most;
-  const char* words;  ///< as the catalogue says it
+  const char* words;  ///< as in the catalogue
 };
 
 std::optional<Legal> legal_values(std::string_view type, const Field& field) {
@@ -35,7 +35,7 @@ std::optional<Legal> legal_values(std::string_view type, const Field& field) {
   return std::nullopt;
 }
 
-/// Whether so many bytes are all 0 or 1, eight at a time: masks have millions of them.
+/// Checks that all bytes are 0 or 1, eight at a time: masks have millions of them.
 bool are_flags(const std::uint8_t* bytes, std::int64_t count) {
   std::uint64_t seen = 0;
   std::int64_t i = 0;
@@ -92,7 +92,7 @@ std::string illegal_value_of(const weft_array& array, const Legal& legal) {
   }
 }
 
-/// Visits the fields of a record struct; keeps what is wrong with the first that is.
+/// Visits the fields of a record struct and keeps the first error.
 class ValueCheck {
  public:
   explicit ValueCheck(const weft_record& record) : record_(record) {}

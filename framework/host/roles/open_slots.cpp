@@ -23,7 +23,7 @@ std::vector<RoleSlot> known_slots(bool is_output) {
   return slots;
 }
 
-/// The type of a vendor's slot among those that the component knows, or empty.
+/// The type of a vendor's slot among those that the component declares, or empty.
 std::string vendor_type(std::string_view slot, const std::vector<std::string>& records) {
   for (const std::string& type : records) {
     if (is_vendor_record(type) && type.substr(0, type.find('/')) == slot) return type;

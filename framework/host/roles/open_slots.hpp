@@ -9,10 +9,10 @@
 
 namespace weft {
 
-/// What a component of an open role says of its inputs and outputs.
+/// The inputs and outputs that a component of an open role declares.
 struct OpenSlots {
   std::vector<std::string> needs, reads, produces;  ///< [.] names of slots
-  std::vector<std::string> records;  ///< types that it knows, "image/1", "acme.depth/1"
+  std::vector<std::string> records;  ///< types that it declares, "image/1", "acme.depth/1"
 };
 
 /// The rules of such a component: those of its role, with its slots in the method. A slot is that

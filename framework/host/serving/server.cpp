@@ -24,7 +24,7 @@ namespace {
 
 /// The host holds its end until it dies or has waited for this process.
 void end_with_host(int socket) {
-  // A descriptor of its own: the other one is closed while this thread still looks.
+  // A duplicate of the descriptor: the other one is closed while this thread still polls.
   std::thread([own = fcntl(socket, F_DUPFD_CLOEXEC, 0)] {
     pollfd hung_up{own, 0, 0};
     while (poll(&hung_up, 1, -1) <= 0) continue;
@@ -151,7 +151,7 @@ class Server {
     return placed;
   }
 
-  /// What the host placed, as a call wants it.
+  /// The records that the host placed, in the form that a call needs.
   std::vector<weft_record> views(const std::vector<PlacedRecord>& placed,
                                  std::deque<std::vector<weft_array>>& arrays) const {
     std::vector<weft_record> records;
@@ -193,11 +193,11 @@ class Server {
   std::map<std::uint64_t, RecordPtr> unreturned_;  ///< by the offset of each array
 };
 
-/// Empty when the host is of this version.
+/// Empty if the host has this version.
 std::string stranger(const HelloMessage& hello) {
   if (hello.version == kVersion) return {};
-  return std::string("weft-worker is of version ") + kVersion +
-         ", the program that started it of " + hello.version + "; install both together";
+  return std::string("weft-worker has version ") + kVersion +
+         ", the program that started it has version " + hello.version + "; install both together";
 }
 
 }  // namespace
@@ -205,7 +205,7 @@ std::string stranger(const HelloMessage& hello) {
 void serve_host(int socket, int inputs, int outputs) {
   close_all_but({socket, inputs, outputs});
   std::signal(SIGXFSZ, SIG_IGN);  // as in the program: what cannot be written is an error
-  // What a library starts must not hold them open.
+  // Processes that a library starts must not keep the descriptors open.
   for (const int file : {socket, inputs, outputs}) fcntl(file, F_SETFD, FD_CLOEXEC);
   end_with_host(socket);
   offer_itself_to_the_kernel();

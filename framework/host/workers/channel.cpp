@@ -80,7 +80,7 @@ Channel::Received Channel::read(char* target, std::size_t size,
     std::copy_n(ahead_.data(), part, target + got);
     ahead_.remove_prefix(part);
     got += part;
-    // Asked for a slow stream of bytes too.
+    // Also called for a slow stream of bytes, not only for an idle one.
     if (got < size && keep_waiting && !keep_waiting()) return Received::gave_up;
   }
   return Received::message;

@@ -15,7 +15,7 @@ namespace weft::host {
 
 struct Message {
   MessageKind kind{};
-  std::uint64_t call = 0;  ///< which one it asks for, answers or speaks of
+  std::uint64_t call = 0;  ///< number of the call that it requests, answers or concerns
   std::string content;
 };
 
@@ -34,11 +34,11 @@ class Channel {
   /// From any thread; false when the other end is gone or does not read.
   bool send(MessageKind kind, std::string_view content, std::uint64_t call);
 
-  /// Waits for a message. `keep_waiting` is asked whenever the socket's own patience is at its end
+  /// Waits for a message. `keep_waiting` is called each time the socket's own timeout expires
   /// (SO_RCVTIMEO); empty waits for ever. For one thread.
   Received receive(Message& message, const std::function<bool()>& keep_waiting = {});
 
-  /// Tells the other end that nothing more will come.
+  /// Informs the other end that no more messages follow.
   void finish();
 
  private:
@@ -47,7 +47,7 @@ class Channel {
 
   int socket_;
   std::array<char, 8192> buffer_{};
-  std::string_view ahead_{};  ///< of the buffer, not yet asked for
+  std::string_view ahead_{};  ///< part of the buffer that no caller has consumed
   int short_waits_ = 0;       ///< asleep, since the last long one
   std::mutex sending_;
 };

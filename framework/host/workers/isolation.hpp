@@ -6,7 +6,7 @@
 
 namespace weft::host {
 
-/// That a stage runs in a process of its own, and how.
+/// The process in which an isolated stage runs.
 struct Isolation {
   std::string program;                    ///< weft-worker; empty: beside the running program
   std::chrono::milliseconds deadline{0};  ///< [ms] for one call, 0 for none

@@ -10,7 +10,7 @@
 
 #include "host/workers/recipe.hpp"
 
-/// What host and worker say to each other. Arrays stay in shared memory: messages name offsets.
+/// The messages between host and worker. Arrays stay in shared memory: messages contain offsets.
 namespace weft::host {
 
 /// An array in shared memory.
@@ -29,7 +29,7 @@ struct PlacedArray {
   }
 };
 
-/// A record whose arrays stand in shared memory.
+/// A record whose arrays are in shared memory.
 struct PlacedRecord {
   std::string slot, type;
   std::uint64_t revision = 0, producer = 0;  ///< as in weft_record
@@ -45,8 +45,8 @@ struct PlacedRecord {
 
 enum class MessageKind : std::uint32_t { hello = 1, create, prepare, process, log, reply };
 
-/// The first message: who calls, where the cancel flag stands in the host's memory, and how many
-/// threads a call may use.
+/// The first message: the caller, the offset of the cancel flag in the host's memory, and the
+/// number of threads for a call.
 struct HelloMessage {
   std::string version;
   std::uint64_t run_seed = 0, inputs_reserve_bytes = 0, outputs_reserve_bytes = 0;
@@ -117,7 +117,7 @@ struct ReplyMessage {
   std::int32_t status = WEFT_OK, code = 0;  ///< weft_status; weft_code
   std::string message, where, subject;
   std::vector<PlacedRecord> outputs;  ///< [.] output records
-  std::vector<PlacedTiming> timings;  ///< of the components nested in the one called
+  std::vector<PlacedTiming> timings;  ///< times of the components nested in the called one
   std::uint64_t downloaded_bytes = 0;
   double processor_ms = 0.0;  ///< [] ms that this process spent on the call
 

@@ -10,7 +10,7 @@
 
 namespace weft::host {
 
-/// A parameter of a component: its value stands in the list that fits its type.
+/// A parameter of a component: its value is in the list that fits its type.
 struct RecipeValue {
   std::string name;
   std::int32_t type = 0, is_vector = 0;  ///< weft_value_type; 0 or 1
@@ -28,7 +28,7 @@ struct RecipeValue {
 
 /// All that it takes to make a component, with those nested in it.
 struct Recipe {
-  std::string parameter;  ///< of the component that holds it; empty for the outermost
+  std::string parameter;  ///< parameter that contains the component; empty for the outermost
   std::string id, library;
   std::vector<std::string> needs, reads, produces;  ///< [.] names of slots
   std::vector<std::string> records;                 ///< with `record_types`, where its role is open

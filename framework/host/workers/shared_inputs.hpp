@@ -13,9 +13,9 @@
 
 namespace weft::host {
 
-/// Places the inputs of workers in memory that all of them read. Arrays that were born there stay
-/// where they are. What a worker made is copied when another one first reads it, and the copy lives
-/// as long as the array does; anything else is copied for each call.
+/// Places the inputs of workers in memory that all of them read. Arrays that were allocated there
+/// are not copied. An array that a worker made is copied when another worker first reads it, and
+/// the copy lives as long as the array. All other arrays are copied for each call.
 class SharedInputs {
  public:
   explicit SharedInputs(std::shared_ptr<SharedArena> arena) : arena_(std::move(arena)) {}
@@ -41,7 +41,7 @@ class SharedInputs {
   };
   std::shared_ptr<SharedArena> arena_;
   std::mutex mutex_;
-  std::map<const void*, Copy> copies_;  ///< of arrays that workers made
+  std::map<const void*, Copy> copies_;  ///< copies of arrays that workers made
 };
 
 }  // namespace weft::host

@@ -33,8 +33,8 @@ Result<void> Worker::start() {
   return {};
 }
 
-/// With all that the component has been told so far. May be called by another thread than that of
-/// the calls.
+/// A session whose component gets all messages that the previous one received. May be called by
+/// another thread than that of the calls.
 Worker::Made Worker::make_session(const std::vector<CreateMessage>& learned,
                                   const std::atomic<bool>* unwanted) {
   auto session = std::make_unique<WorkerSession>(context_, component_.recipe.id, unwanted);
@@ -69,7 +69,7 @@ Result<void> Worker::ready() {
   }
   const bool is_spare = spare_.valid();
   Made made = is_spare ? spare_.get() : make_session(learned_, nullptr);
-  // One that stood ready for long may tell nothing of now.
+  // A spare that was ready for long may have died since, or its failure may be outdated.
   const bool is_stale = made ? (*made)->is_gone() : isolation_.keeps_spare;
   if (is_spare && is_stale) made = make_session(learned_, nullptr);
   if (!made) return made.error();  // the next call tries again
@@ -78,14 +78,14 @@ Result<void> Worker::ready() {
   return {};
 }
 
-/// Whoever calls next waits no longer than need be.
+/// Prepares the next session at once, so that the next call waits as briefly as possible.
 void Worker::note_death(const Error& death) {
   if (session_ == nullptr || !session_->is_lost()) return;
   session_.reset();
   if (death.code != Errc::cancelled && isolation_.starts_again) make_spare();
 }
 
-/// A flood of text takes no memory, and its author is told.
+/// Excess output is discarded, so that it takes no memory, and its author is informed.
 void Worker::bound_output(std::uint64_t frame) {
   const std::uint64_t bytes = session_->forget_old_output();
   if (bytes == 0 || !context_.log) return;

@@ -15,8 +15,8 @@
 
 namespace weft::host {
 
-/// A component, with those nested in it, in a process of its own. When that process dies or does
-/// not answer, the call fails with the cause; meanwhile another one is started and prepared, for
+/// A component, with those nested in it, in a separate process. If that process dies or does not
+/// answer, the call fails with the cause. Meanwhile another process is started and prepared, for
 /// which the next call waits. One call at a time.
 class Worker {
  public:
@@ -68,7 +68,7 @@ class Worker {
   std::vector<CreateMessage> learned_;
   std::optional<CallMessage> beginning_;
   std::unique_ptr<WorkerSession> session_;        ///< null before the first start and after a death
-  std::chrono::steady_clock::duration making_{};  ///< what it took to start and prepare it
+  std::chrono::steady_clock::duration making_{};  ///< time to start and prepare it
   std::atomic<bool> ending_{false};               ///< no spare is wanted any more
   std::future<Made> spare_;                       ///< being made, or ready
 };

@@ -14,7 +14,7 @@ namespace weft::host {
 namespace {
 
 constexpr std::chrono::seconds kPatience{5};
-constexpr int kSlice_ms = 10;  ///< after which one who waits looks whether it shall go on
+constexpr int kSlice_ms = 10;  ///< after which a waiting thread checks if it is to continue
 
 std::string beside_this_program() {
   std::error_code code;

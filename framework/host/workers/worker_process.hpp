@@ -27,7 +27,7 @@ class WorkerProcess {
 
   Channel& channel() { return *channel_; }
 
-  /// Whether it has died by itself.
+  /// True if it has died by itself.
   bool is_gone() { return child_->ending().has_value(); }
 
   /// Ends it and waits until it is gone.

@@ -18,7 +18,7 @@ constexpr std::chrono::milliseconds kLeastToStart{10'000};
 
 }  // namespace
 
-/// Nothing that a worker says is taken for granted.
+/// Content that a worker sends is untrusted.
 Error error_in(const ReplyMessage& reply) {
   constexpr std::size_t kLongestText = 1023;
   const bool known = reply.code >= static_cast<std::int32_t>(Errc::no_result) &&
@@ -28,7 +28,7 @@ Error error_in(const ReplyMessage& reply) {
           reply.subject.substr(0, kLongestText)};
 }
 
-/// What a worker has lent to this process, until the process has done with it.
+/// Memory that a worker has lent to this process, until the process releases it.
 class Loans : public std::enable_shared_from_this<Loans> {
  public:
   Loans(std::shared_ptr<SharedMemory> memory, std::shared_ptr<SharedInputs> inputs)
@@ -89,7 +89,8 @@ Result<void> WorkerSession::start(const std::string& program) {
 
 Result<void> WorkerSession::create(const CreateMessage& component,
                                    std::chrono::milliseconds deadline) {
-  // Who bounds a call does not want to wait for a library that never gets loaded either.
+  // If the user limits the time of a call, the start is limited too, because loading a library may
+  // hang.
   const auto patience = deadline.count() == 0 ? deadline : std::max(deadline, kLeastToStart);
   const auto reply = converse(MessageKind::create, pack(component), patience);
   if (!reply) return reply.error();
@@ -159,7 +160,7 @@ Result<ReplyMessage> WorkerSession::converse(MessageKind kind, const std::string
       return false;
     }
     if (deadline.count() != 0 && now - start >= deadline) return false;
-    // What it has sent before its end is read first.
+    // Messages that it sent before its end are read first.
     return !std::exchange(has_ended, process_->is_gone());
   };
   const auto gave_up = [&] {

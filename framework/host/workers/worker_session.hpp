@@ -39,17 +39,17 @@ using InputsBySlot = std::vector<std::pair<std::string, RecordPtr>>;
 /// The error of a reply, whose texts and code are those of another process.
 Error error_in(const ReplyMessage& reply);
 
-/// One process in which a component lives, and what has been said to it.
+/// One process in which a component lives, and the messages that it got.
 class WorkerSession {
  public:
-  /// While `unwanted` is given, nobody waits for it: it may be made by a thread of its own, which
-  /// gives up when told to, and what the component says is not heard.
+  /// While `unwanted` is given, no call waits for the session. A background thread may make it,
+  /// which gives up once the flag is set. The output of the component is then discarded.
   WorkerSession(const WorkerContext& context, std::string id, const std::atomic<bool>* unwanted);
   ~WorkerSession();
   WorkerSession(const WorkerSession&) = delete;
   WorkerSession& operator=(const WorkerSession&) = delete;
 
-  /// Somebody uses it from now on.
+  /// From now on, a call uses it.
   void take() { unwanted_ = nullptr; }
 
   /// Starts the process.
@@ -67,8 +67,8 @@ class WorkerSession {
   Result<std::vector<PlacedRecord>> place(std::span<const weft_record> records,
                                           std::vector<std::shared_ptr<void>>& keep) const;
 
-  /// Says something and waits for the answer. Where the process has no answer it is ended. Its own
-  /// death ends the wait, whoever else holds its end of the channel.
+  /// Sends a message and waits for the answer. If the process does not answer, it is ended. Its own
+  /// death ends the wait, even if another process has its end of the channel open.
   Result<ReplyMessage> converse(MessageKind kind, const std::string& content,
                                 std::chrono::milliseconds deadline = {});
 

@@ -39,7 +39,7 @@ typedef enum weft_status {
   WEFT_NO_RESULT = 2,  /* the data do not determine an answer; error->message is the reason */
   WEFT_ERROR = 3,
   WEFT_CANCELLED = 4,
-  WEFT_END = 5 /* of sources: there are no more frames; error->message is the reason */
+  WEFT_END = 5 /* returned by sources: there are no more frames; error->message is the reason */
 } weft_status;
 
 /* Values of weft_error.code, equal to weft::Errc. */
@@ -140,11 +140,11 @@ typedef struct weft_parameter {
   weft_value default_value; /* with name and type; a component's default is its id as text */
   const char* unit;         /* "" if there is none */
   const char* help;
-  double minimum; /* of numbers, in unit, inclusive; minus infinity if there is none */
-  double maximum; /* of numbers, in unit, inclusive; plus infinity if there is none */
+  double minimum; /* in unit, inclusive; minus infinity if there is none; for numbers only */
+  double maximum; /* in unit, inclusive; plus infinity if there is none; for numbers only */
   const char* const* choices;
   uint64_t choice_count; /* length of choices */
-  const char* role;      /* of a component parameter, else "" */
+  const char* role;      /* the role of a component parameter, else "" */
   const char* was;       /* former name, accepted as an alias, or "" */
   int32_t required;      /* 0 or 1 */
   int32_t reserved;

@@ -36,13 +36,13 @@ void check_no_memory(Play& play, Page& page) {
                                return answer.status == WEFT_ERROR && !answer.message.empty();
                              });
     page.expect(is_reported,
-                fmt::format("alloc number {} gives null, and it says {}: answer WEFT_ERROR "
-                            "with WEFT_CODE_NO_MEMORY",
+                fmt::format("alloc number {} gives null, and it answers {}: answer WEFT_ERROR with "
+                            "WEFT_CODE_NO_MEMORY",
                             which + 1,
                             host.answer() != WEFT_ERROR ? fmt::format("status {}", host.answer())
                                                         : to_text(answers.back())));
   }
-  if (refused == 0) page.skip("it asks for no memory");
+  if (refused == 0) page.skip("it allocates no memory");
 }
 
 /// Notes the texts of all errors, as the component wrote them.
@@ -59,7 +59,7 @@ class Listener final : public testing::Passage {
     } else if (!is_utf8(error->message) || !is_utf8(error->where)) {
       mistake_ = "a text of its error is no UTF-8: cut it between characters";
     } else if (status != WEFT_OK && error->message[0] == '\0') {
-      mistake_ = fmt::format("it answers with status {} and says not why: fill weft_error.message",
+      mistake_ = fmt::format("it answers with status {} without a reason: fill weft_error.message",
                              status);
     }
     return status;
@@ -147,8 +147,8 @@ void check_contract(const Setting& setting, Notebook& notebook) {
   notebook.check("contract/output_bounds", [&](Page& page) {
     WalledHost walls;
     check_passage(play, usual, walls, "take for the answer what alloc gave", page);
-    page.expect(walls.breached().empty(),
-                "it writes behind the end of " + walls.breached() + ": ask alloc for all of it");
+    page.expect(walls.breached().empty(), "it writes behind the end of " + walls.breached() +
+                                              ": request all of it from alloc");
   });
   notebook.check("contract/no_memory", [&](Page& page) { check_no_memory(play, page); });
   notebook.check("contract/error_text", [&](Page& page) { check_error_text(play, page); });

@@ -154,17 +154,17 @@ void check_generator(Play& play, Page& page) {
 
 void check_seed(Play& play, Page& page) {
   if (play.subject().is_random()) {
-    return page.skip("it, or a component that it holds, says that it draws from the seed");
+    return page.skip("it, or a component that it contains, declares that it uses the seed");
   }
   const std::string how = difference(play.subject(), play.whole({.run_seed = 77}), play.whole());
-  page.expect(how.empty(), "with another seed, " + how + "; say random in kAbout");
+  page.expect(how.empty(), "with another seed, " + how + "; declare random in kAbout");
 }
 
 void check_isolated(Play& play, Page& page) {
   auto arena = host::SharedArena::create();
   if (!arena) return page.skip(arena.error().message);
   const std::string how = difference(play.subject(), play.whole({.arena = *arena}), play.whole());
-  page.expect(how.empty(), "in a process of its own, " + how + " from what it says in this one");
+  page.expect(how.empty(), "in a separate process, " + how + " from its answer in this one");
 }
 
 }  // namespace
@@ -195,7 +195,7 @@ void check_limits(const Setting& setting, Notebook& notebook) {
   notebook.check("limits/large", [&](Page& page) { check_large(setting, page); });
   notebook.check("limits/cancelled", [&](Page& page) { check_cancelled(setting, page); });
   notebook.check("limits/clock", [&](Page& page) {
-    page.skip("nobody sees a call of the clock; what would come of it, calls/repeated sees");
+    page.skip("a call of the clock cannot be observed; calls/repeated checks its effects");
   });
 }
 

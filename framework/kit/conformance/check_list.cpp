@@ -11,12 +11,12 @@ constexpr bool kBrief = true;
 
 std::vector<CheckInfo> of_files_and_tables() {
   return {
-      {"load/symbol", "The library exports `weft_library` and nothing else.", kBrief},
+      {"load/symbol", "The library exports only `weft_library`.", kBrief},
       {"load/static_tls",
        "It has no thread-local variables that need room at the start of the program.", kBrief},
       {"load/time",
-       "Loading it takes less than 300 ms, the second time, not counting what others take of the "
-       "processor; more than 100 ms is said."},
+       "Loading it takes less than 300 ms, the second time, without the processor use of other "
+       "processes; above 100 ms it is noted."},
       {"load/floating_point",
        "Loading it leaves rounding and the treatment of subnormal numbers as they were.", kBrief},
       {"load/binds_now", "It can be loaded with all its symbols bound.", kBrief},
@@ -27,10 +27,10 @@ std::vector<CheckInfo> of_files_and_tables() {
       {"load/processor",
        "It names the processor features that its manifest names, and this processor has them.",
        kBrief},
-      {"load/manifest", "The manifest is what the library says of itself.", kBrief},
+      {"load/manifest", "The manifest equals the library's own description.", kBrief},
       {"load/strip", "Stripped, it can be loaded and is bound to its manifest."},
       {"load/opens_nothing", "Describing its components opens no file.", kBrief},
-      {"table/unknown_extension", "An extension that nobody knows is null.", kBrief},
+      {"table/unknown_extension", "An unknown extension is null.", kBrief},
       {"table/extensions_stable",
        "An extension is the same table each time, begins with its size, and is in the manifest.",
        kBrief},
@@ -38,7 +38,7 @@ std::vector<CheckInfo> of_files_and_tables() {
       {"table/unknown_method", "A method that there is not is refused."},
       {"table/older_host", "Nothing is read behind the end of the structs of version 1.0."},
       {"table/newer_host",
-       "Structs that are longer than those of today, with what nobody knows, change no answer."},
+       "Structs that are longer than the present ones, with unknown contents, change no answer."},
       {"parameters/defaults", "Defaults are legal values.", kBrief},
       {"parameters/beyond",
        "A value beyond a range, NaN, or none of the choices is refused by the component itself, "
@@ -63,7 +63,8 @@ std::vector<CheckInfo> of_contract() {
       {"with_a_usual_input", "A usual input is answered by legal outputs."},
       {"with_another_frame", "So is another one."},
       {"without_*",
-       "So is one that lacks an optional input, named in the place of `*`, or it says why not."},
+       "So is one that lacks an optional input, named in the place of `*`, or refused with a "
+       "reason."},
       {"with_what_it_needs_alone", "So is one that lacks all optional inputs."},
       {"with_a_colour_image", "A colour image is answered."},
       {"with_an_empty_image",
@@ -77,15 +78,16 @@ std::vector<CheckInfo> of_contract() {
       {"with_descriptors_of_two_kinds", "Binary descriptors in the image, others on the template."},
       {"with_0_keypoints_in_the_image", "No keypoint in the image."},
       {"with_0_keypoints_on_the_template", "No keypoint on the template."},
-      {"with_one_descriptor_for_all_keypoints", "Keypoints that nothing tells apart."},
-      {"with_0_matches", "No match; what makes shapes, warps or masks says more than ok."},
+      {"with_one_descriptor_for_all_keypoints", "Indistinguishable keypoints."},
+      {"with_0_matches",
+       "No match; components that make shapes, warps or masks report more than ok."},
       {"with_1_match", "One match."},
       {"with_2_matches", "Two matches."},
       {"with_3_matches_on_a_line", "Three matches on a line."},
       {"with_all_matches_the_same", "Forty times the same match."},
       {"with_matches_that_were_rejected_before", "What was rejected before stays so."},
       {"with_no_kept_match", "All matches rejected."},
-      {"with_no_match_on_the_mesh", "No match that knows its face."},
+      {"with_no_match_on_the_mesh", "No match that has a face."},
       {"with_0_sightlines", "No sightline."},
       {"with_1_sightline", "One sightline."},
       {"with_3_sightlines_on_a_line", "Three sightlines on a line."},
@@ -96,13 +98,13 @@ std::vector<CheckInfo> of_contract() {
       {"with_nothing_visible", "Every vertex hidden."},
       {"after_other_calls", "The same inputs are answered by the same bytes after other calls."},
       {"when_it_is_told_to_stop",
-       "It stops within 10 s or ends its work, and answers as before when it is asked again."},
+       "It stops within 10 s or ends its work, and answers as before when it is called again."},
       {"evaluated_from_its_record_alone", "A warp is evaluated from its record alone."},
       {"evaluated_at_no_point", "A warp is evaluated at no point."},
       {"derivatives_of_order_1", "Its first derivatives are those of its values."},
       {"derivatives_of_order_2", "Its second derivatives are those of its first."},
       {"opened", "A source opens, and its camera is legal."},
-      {"counted", "It says how many frames it has."},
+      {"counted", "It reports its number of frames."},
       {"the_first_frame", "Its first frame is legal."},
       {"the_last_frame", "So is its last one."},
       {"read_in_another_order", "Frames do not depend on the order in which they are read."},
@@ -124,11 +126,11 @@ std::vector<CheckInfo> of_inputs_and_memory() {
       {"contract/padded_inputs", "Inputs with padding between rows are answered as those without."},
       {"contract/backward_inputs", "So are inputs whose rows run backwards."},
       {"contract/aligned_inputs", "So are inputs that are aligned to their elements alone."},
-      {"contract/unknown_arrays", "So are records with an array that nobody knows."},
-      {"contract/undeclared_slots", "So are calls with an input that nobody knows."},
-      {"contract/dirty_memory", "What stands in the memory that `alloc` gives does not matter."},
+      {"contract/unknown_arrays", "So are records with an unknown array."},
+      {"contract/undeclared_slots", "So are calls with an unknown input."},
+      {"contract/dirty_memory", "Former contents of the memory that `alloc` gives do not matter."},
       {"contract/output_bounds", "Nothing is written behind what `alloc` gives."},
-      {"contract/no_memory", "An `alloc` that gives null is answered by an error that says so."},
+      {"contract/no_memory", "An `alloc` that gives null is answered by an error with that code."},
       {"contract/error_text", "Texts of errors are UTF-8, end with NUL, and are not empty."},
       {"contract/nan_inputs",
        "Inputs that mark what is missing with NaN are answered, or refused with a reason."},
@@ -137,7 +139,8 @@ std::vector<CheckInfo> of_inputs_and_memory() {
 
 std::vector<CheckInfo> of_geometry() {
   return {
-      {"geometry/geometry", "Of components whose answers follow from places; else it says so."},
+      {"geometry/geometry",
+       "For components whose answers follow from places; otherwise it does not apply."},
       {"geometry/matches_permuted", "Matches in another order: the same answer in that order."},
       {"geometry/matches_given_twice", "Matches given twice: both are judged alike."},
       {"geometry/image_shifted", "The image and its camera shifted: the same shape and mask."},
@@ -146,29 +149,29 @@ std::vector<CheckInfo> of_geometry() {
       {"geometry/image_mirrored", "Image and template mirrored: the shape mirrored."},
       {"geometry/world_scaled", "Lengths doubled, with parameters in m: the shape doubled."},
       {"geometry/vertices_renumbered", "Vertices and faces in another order: the same shape."},
-      {"geometry/a_scene_that_is_moved", "What can be asked of it under these moves."},
+      {"geometry/a_scene_that_is_moved", "The requirements on it under these moves."},
       {"geometry/exact_matches", "Matches without noise and mismatches lead to the truth."},
       {"geometry/error_grows_with_noise", "Noise leads away from it."},
-      {"geometry/identity_warp", "The warp of a picture to itself moves nothing."},
+      {"geometry/identity_warp", "The warp of an image to itself moves nothing."},
   };
 }
 
 std::vector<CheckInfo> of_calls_and_limits() {
   return {
       {"calls/repeated",
-       "A frame that is asked for twice is answered by the same bytes (by numbers within 0.001 of "
+       "A frame that is requested twice is answered by the same bytes (by numbers within 0.001 of "
        "the largest where `determinism` is `tolerance`, here and below)."},
       {"calls/created_anew", "So is one of an instance that is made after another one."},
       {"calls/shuffled_frames", "The order of frames does not matter to stages and sources."},
       {"calls/any_thread", "The thread that creates, calls or destroys does not matter."},
       {"calls/threads", "How many threads a call may use does not matter."},
       {"calls/at_once",
-       "Eight instances, created and called at once by eight threads, say what one says."},
+       "Eight instances, created and called at once by eight threads, answer as a single one."},
       {"calls/prepared_twice",
-       "An instance that is prepared twice says what one says that is prepared once."},
+       "An instance that is prepared twice answers as one that is prepared once."},
       {"calls/unprepared", "An instance can be destroyed without being prepared."},
       {"calls/sanitized",
-       "Two instances at once race for nothing: told by a build with ThreadSanitizer alone, so "
+       "Two instances at once have no data race: only a build with ThreadSanitizer detects it, so "
        "never here."},
       {"calls/state", "State can be saved and put back: nothing of version 1.0, so never here."},
       {"limits/locale", "The locale stays as it was."},
@@ -181,22 +184,22 @@ std::vector<CheckInfo> of_calls_and_limits() {
       {"limits/opencv_threads", "and the number of OpenCV's threads."},
       {"limits/generator", "The C library's random generator is not drawn from."},
       {"limits/seed",
-       "The seed matters only to a component that says `random`, or holds one that does."},
+       "The seed matters only to a component that declares `random`, or contains one that does."},
       {"limits/descriptors", "Instances leave no file open."},
       {"limits/threads", "Instances leave no thread behind."},
-      {"limits/isolated", "In a process of its own it gives the same bytes."},
+      {"limits/isolated", "In a separate process it gives the same bytes."},
       {"limits/memory",
        "10,000 calls, or as many as fit into 2 s and at least 10, grow the process by less than 1 "
-       "MiB, and the "
-       "heap by less than 128 bytes each, the least of three times."},
+       "MiB. Each grows the heap by less than 128 bytes, the least of three times."},
       {"limits/large",
-       "An image of 3840 x 2160 or 100,000 matches are answered in 16 GiB; after 30 s of processor "
-       "time, or 120 s, it is told to stop, and does within 10 s, not counting what others take of "
-       "the processor."},
+       "An image of 3840 x 2160 or 100,000 matches are answered in 16 GiB. After 30 s of CPU time, "
+       "or 120 s, it is cancelled, and stops within 10 s, without the processor use of other "
+       "processes."},
       {"limits/cancelled",
-       "Told to stop 20 ms into such a call, it computes and waits for less than 2 s; more than "
-       "50 ms is said."},
-      {"limits/clock", "The clock does not matter: nobody sees a call of it, so never here."},
+       "Cancelled 20 ms into such a call, it computes and waits for less than 2 s; above 50 ms it "
+       "is noted."},
+      {"limits/clock",
+       "The clock does not matter: a call of it cannot be observed, so never here."},
   };
 }
 

@@ -103,7 +103,7 @@ void check_layout(const weft_library_table& table, Page& page) {
                   (std::none_of(std::begin(table.reserved), std::end(table.reserved), reserved) &&
                    table.reserved_half == 0),
               "a reserved field of its table is not 0");
-  page.expect(table.needs_minor <= table.sdk_minor, "it needs a newer host than it knows");
+  page.expect(table.needs_minor <= table.sdk_minor, "it needs a newer host than its SDK");
   for (const auto& [text, name] :
        {std::pair{table.isa, "isa"}, std::pair{table.compiler, "compiler"}}) {
     if (const std::string wrong = mistake_in(text, name); !wrong.empty()) page.fail(wrong);
@@ -140,7 +140,7 @@ void check_manifest(const weft_library_table& table, const host::Manifest& manif
   const auto said = host::describe_library(table, *build_id);
   if (!said) return page.fail(said.error().message);
   page.expect(*written == *said,
-              "it is not what the library says of itself: build the plugin again, or call weft "
+              "it differs from the library's own description: build the plugin again, or call weft "
               "plugins describe " +
                   manifest.library);
 }
@@ -160,7 +160,7 @@ void check_strip(const host::Manifest& manifest, Page& page) {
 }
 
 void check_opening(const weft_library_table& table, const host::Manifest& manifest, Page& page) {
-  if (!forbid_opening()) return page.skip("this kernel lets nobody look for opened files");
+  if (!forbid_opening()) return page.skip("this kernel does not report opened files");
   const auto said = host::describe_library(table, manifest.build_id);
   const std::string opened = forbidden_opening();
   page.expect(opened.empty(), "its constructor opens " + opened +
@@ -193,7 +193,7 @@ void check_load(const Setting& setting, Notebook& notebook) {
   if (!table) return;
   notebook.check("load/silent", [&](Page& page) {
     page.expect(printed_bytes() == printed,
-                "loading it prints: leave that to weft_host.log, or to whoever is called");
+                "loading it prints: use weft_host.log, or print in a call");
   });
   notebook.check("load/threads", [&](Page& page) {
     page.expect(count_threads() == threads,

@@ -138,7 +138,7 @@ void check_pairs(const Setting& setting, const yaml::Node& base, Page& page) {
 
 /// What an answer holds, in so few words that two can be compared.
 std::string digest(const Answer& answer) {
-  std::string text = fmt::format("says {}", to_text(answer));
+  std::string text = fmt::format("reports {}", to_text(answer));
   for (const auto& [slot, record] : answer.outputs) {
     text += fmt::format(", {} {:x}", slot, host::content_revision(*record));
   }

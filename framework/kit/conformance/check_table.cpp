@@ -48,7 +48,7 @@ void check_methods(Play& play, const weft_component& component, Page& page) {
   const std::size_t count = play.subject().rules().role.methods.size();
   page.expect(component.methods != 0, "it has no method: set the bits of those of its role");
   page.expect(count >= 64 || component.methods >> count == 0,
-              "it says that it has methods which its role does not have");
+              "it declares methods that its role does not have");
 }
 
 /// Calls a method that there is not, of whatever the execution context asks for.

@@ -71,13 +71,14 @@ void apply_deviations(const std::vector<std::string>& known, std::vector<Finding
                           std::any_of(all.begin(), all.end(),
                                       [&](const CheckInfo& info) { return is_it(info.name); });
     if (!is_check) {
-      findings.push_back({name, Verdict::fails, "is said to deviate, and there is no such check"});
+      findings.push_back(
+          {name, Verdict::fails, "is declared as a deviation, and there is no such check"});
     }
     for (Finding& finding : findings) {
       if (!is_it(finding.check) || !is_check) continue;
       const bool occurs = finding.verdict == Verdict::fails;
       finding.verdict = occurs ? Verdict::deviates : Verdict::fails;
-      if (!occurs) finding.seen = "is said to deviate and holds";
+      if (!occurs) finding.seen = "is declared as a deviation, and passes";
     }
   }
 }
@@ -88,7 +89,7 @@ const std::vector<Group>& all_groups() {
   using std::chrono::seconds;
   static const std::vector<Group> all = {
       {"load", "the library as a file, and what loading it does", &check_load, seconds(60), false},
-      {"table", "what a component says of itself, and other hosts", &check_table, seconds(60)},
+      {"table", "the component's own description, and other hosts", &check_table, seconds(60)},
       {"parameters", "legal and illegal values", &check_parameters, seconds(240)},
       {"contract", "the contract of its role", &check_contract, seconds(240)},
       {"geometry", "the laws of geometry", &check_geometry, seconds(240)},

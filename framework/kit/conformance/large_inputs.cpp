@@ -133,16 +133,16 @@ void check_large(const Setting& setting, Page& page) {
   if (!large.refused.empty()) return page.fail("it cannot be made ready: " + large.refused);
   if (large.answer.code == Errc::no_memory) {
     return page.fail(
-        "16 GiB are not enough for it: take less than the square of the number of "
-        "matches, or say up to how many it works");
+        "16 GiB are not enough for it: take less than the square of the number of matches, or "
+        "report the largest number with which it works");
   }
   if (large.after_stop_ms < 0.0) {
     return page.note(fmt::format("{} after {:.1f} s", to_text(large.answer), large.took_ms / 1e3));
   }
   page.expect(large.after_stop_ms < kLongestWait_ms,
-              fmt::format("not done after {:.0f} s, and told to stop it goes on for {:.1f} s",
+              fmt::format("not done after {:.0f} s, and once cancelled it goes on for {:.1f} s",
                           kPatience_ms / 1e3, large.after_stop_ms / 1e3));
-  page.note(fmt::format("not done after {:.0f} s; stopped {:.0f} ms after it was told to",
+  page.note(fmt::format("not done after {:.0f} s; stopped {:.0f} ms after it was cancelled",
                         kPatience_ms / 1e3, large.after_stop_ms));
 }
 
@@ -151,11 +151,11 @@ void check_cancelled(const Setting& setting, Page& page) {
   const Large large = call_large(setting, kHeadStart_ms);
   if (!large.refused.empty()) return page.fail("it cannot be made ready: " + large.refused);
   if (large.after_stop_ms < 0.0) {
-    return page.note(fmt::format("done after {:.0f} ms, before it is told to stop", large.took_ms));
+    return page.note(fmt::format("done after {:.0f} ms, before it is cancelled", large.took_ms));
   }
   const double late_ms = std::max(large.busy_ms, large.after_stop_ms);
   page.expect(late_ms < kLongest_ms,
-              fmt::format("it goes on for {:.0f} ms of processor time, {:.0f} ms in all: ask "
+              fmt::format("it goes on for {:.0f} ms of CPU time, {:.0f} ms in all: check "
                           "weft_host.cancelled every 5 ms, also in loops of libraries",
                           large.busy_ms, large.after_stop_ms));
   page.note(fmt::format("stops after {:.0f} ms{}", late_ms,

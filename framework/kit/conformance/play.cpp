@@ -39,7 +39,7 @@ bool is_near(const weft_array& a, const weft_array& b) {
 }
 
 std::string loose_difference(const Answer& a, const Answer& b) {
-  if (a.status != b.status) return "it says " + to_text(a) + ", not " + to_text(b);
+  if (a.status != b.status) return "it reports " + to_text(a) + ", not " + to_text(b);
   for (const auto& [slot, record] : a.outputs) {
     const testing::HostRecord other = b.find(slot);
     if (record == nullptr || other == nullptr) return "it makes other outputs";
@@ -188,7 +188,7 @@ std::string lack(const testing::Subject& subject, const std::vector<Answer>& giv
   if (given.size() != expected.size()) return "it ends early: " + to_text(given.back());
   for (std::size_t i = 0; i < given.size(); ++i) {
     if (given[i].status != expected[i].status) {
-      return "it says " + to_text(given[i]) + ", not " + to_text(expected[i]);
+      return "it reports " + to_text(given[i]) + ", not " + to_text(expected[i]);
     }
     std::string how = lack(given[i], expected[i]);
     if (!how.empty()) return how;

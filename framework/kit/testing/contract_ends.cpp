@@ -21,15 +21,15 @@ Answer read_frame(Performer& performer, std::int64_t frame) {
 void check_frame(const Subject& subject, const Camera& camera, const Answer& frame,
                  Checks& checks) {
   check_answer(frame, checks);
-  if (!frame.is_usable()) return checks.fail("says " + to_text(frame));
-  checks.expect(!frame.outputs.empty(), "says " + to_text(frame) + " and gives nothing");
+  if (!frame.is_usable()) return checks.fail("reports " + to_text(frame));
+  checks.expect(!frame.outputs.empty(), "reports " + to_text(frame) + " and gives nothing");
   for (const auto& [slot, record] : frame.outputs) {
     checks.expect(subject.produces(slot), "it gives '" + slot + "', which it does not announce");
   }
   if (const auto image = frame.get<Image>("image")) {
     const bool fits =
         image->pixels.dim(0) == camera.height_px && image->pixels.dim(1) == camera.width_px;
-    checks.expect(fits, "the image has another size than the camera says");
+    checks.expect(fits, "the size of the image differs from that of the camera");
   }
   if (const auto matches = frame.get<Correspondences>("correspondences")) {
     for (std::int64_t i = 0; i < matches->count(); ++i) {
@@ -45,7 +45,7 @@ std::optional<Camera> check_open(Performer& performer, Checks& checks) {
   check_answer(opened, checks);
   const auto camera = opened.get<Camera>("camera");
   if (!camera) {
-    checks.fail("says " + to_text(opened));
+    checks.fail("reports " + to_text(opened));
     return std::nullopt;
   }
   const auto mistake = camera_mistake(*camera);
@@ -83,7 +83,7 @@ Files write_frames(const FindIn& find, int frames, Checks& checks) {
   Performer performer(*subject);
   const auto done = [&](const char* what, const Answer& answer) {
     check_answer(answer, checks);
-    if (!answer.is_usable()) checks.fail(std::string(what) + " says " + to_text(answer));
+    if (!answer.is_usable()) checks.fail(std::string(what) + " reports " + to_text(answer));
     return answer.is_usable();
   };
   if (auto ready = performer.begin(cases[0].scene.templ, cases[0].scene.camera); !ready) {
@@ -110,7 +110,7 @@ void check_source(const Subject& subject, Checks& checks) {
   checks.begin("counted");
   const Answer counted = performer.call(kCountFrames, {});
   const auto count = counted.get<Count>("count");
-  if (!count) return checks.fail("says " + to_text(counted));
+  if (!count) return checks.fail("reports " + to_text(counted));
   checks.expect(count->frames != 0 && count->frames >= -1,
                 "there are " + std::to_string(count->frames) + " frames; give it some to read");
   const std::int64_t last = count->frames > 0 ? count->frames - 1 : 0;
@@ -145,7 +145,7 @@ void check_template(const Subject& subject, Checks& checks) {
   const Answer built = build(performer);
   check_answer(built, checks);
   const auto templ = built.get<Template>("template");
-  if (!templ) return checks.fail("says " + to_text(built));
+  if (!templ) return checks.fail("reports " + to_text(built));
   const auto faces = templ->faces.matrix<3>();
   const auto mesh = validate_mesh(templ->vertices_m.matrix<3>(), faces);
   if (!mesh) return checks.fail(mesh.error().message);

@@ -98,7 +98,7 @@ void check_shape(const Case& given, const Shape& made, Checks& checks) {
   const ShapeState state = made.shape_state();
   checks.expect(state == ShapeState::estimated || state == ShapeState::weak,
                 std::string("its shape is '") + to_string(state) +
-                    "': a solver says estimated or weak, the rest is the host's");
+                    "': a solver may set estimated or weak, the host sets the others");
   checks.expect(made.confidence >= 0.0 && made.confidence <= 1.0,
                 "its confidence is not in 0 to 1");
   checks.expect(is_flag(made.source), "its source has entries that are not 0 or 1");
@@ -112,12 +112,13 @@ void check_shape(const Case& given, const Shape& made, Checks& checks) {
 }  // namespace
 
 void check_answer(const Answer& answer, Checks& checks) {
-  if (answer.status == WEFT_CANCELLED) return checks.fail("says cancelled though nobody asked");
+  if (answer.status == WEFT_CANCELLED)
+    return checks.fail("reports cancelled without a cancellation");
   // The host says so where a component left the text empty.
   const bool no_reason =
       answer.message.empty() || answer.message.starts_with("gave no reason for its status");
   if (answer.status != WEFT_OK && no_reason) {
-    return checks.fail("says " + to_text(answer) + " and not why");
+    return checks.fail("reports " + to_text(answer) + " without a reason");
   }
   const bool broken = answer.status == WEFT_ERROR && answer.code == Errc::plugin_failure;
   const bool threw = answer.message.starts_with("threw: ") && answer.message.size() > 7;

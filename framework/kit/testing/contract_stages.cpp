@@ -28,14 +28,15 @@ Answer ask(Performer& performer, const Case& given) {
 void check_status(const Subject& subject, const Case& given, const Answer& answer, Checks& checks) {
   check_answer(answer, checks);
   if (given.expect == Expect::answer && !answer.is_usable()) {
-    checks.fail("says " + to_text(answer) + ", not ok or degenerate");
+    checks.fail("reports " + to_text(answer) + ", not ok or degenerate");
   }
   if (answer.status != WEFT_OK) return;
-  if (given.expect != Expect::answer && is_nothing(answer)) checks.fail("says ok with nothing");
+  if (given.expect != Expect::answer && is_nothing(answer))
+    checks.fail("reports ok without an output");
   const RoleRules& rules = subject.rules();
   const bool needs_evidence = rules.marks || rules.samples || rules.solves;
   if (given.expect == Expect::warning && needs_evidence) {
-    checks.fail("says ok where there is nothing to go by");
+    checks.fail("reports ok without evidence");
   }
 }
 
@@ -74,7 +75,8 @@ void check_history(const Subject& subject, const std::vector<Case>& cases,
     rng.shuffle(order);
     for (const std::size_t i : order) {
       const std::string how = difference(ask(performer, cases[i]), fresh[i]);
-      if (!how.empty()) checks.fail(cases[i].name + ", " + how + " from what a new instance says");
+      if (!how.empty())
+        checks.fail(cases[i].name + ", " + how + " from the answer of a new instance");
     }
   }
 }
@@ -107,13 +109,13 @@ void check_cancelling(const Subject& subject, const Scene& scene, const AskFor& 
     const bool finished = stopped.status == whole.status &&
                           (!subject.is_exact() || difference(stopped, whole).empty());
     if (stopped.status != WEFT_CANCELLED && !finished) {
-      checks.fail("it says " + to_text(stopped) + " and neither stops nor ends its work");
+      checks.fail("it reports " + to_text(stopped) + " and neither stops nor ends its work");
     }
     performer.cancel() = false;
     performer.watch({});
     const Answer after = asked(performer);
     const std::string how = subject.is_exact() ? difference(after, whole) : "";
-    if (!how.empty()) checks.fail("asked again, " + how + " from what a new instance says");
+    if (!how.empty()) checks.fail("called again, " + how + " from the answer of a new instance");
   }
 }
 

@@ -147,7 +147,7 @@ std::string to_text(const Answer& answer) {
 }
 
 std::string difference(const Answer& a, const Answer& b) {
-  if (a.status != b.status) return "it says " + to_text(a) + ", not " + to_text(b);
+  if (a.status != b.status) return "it reports " + to_text(a) + ", not " + to_text(b);
   if (a.outputs.size() != b.outputs.size()) return "it makes other outputs";
   for (const auto& [slot, record] : a.outputs) {
     const HostRecord other = b.find(slot);

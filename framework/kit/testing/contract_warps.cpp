@@ -71,7 +71,7 @@ void check_warp(const Subject& subject, Checks& checks) {
 
   checks.begin("evaluated from its record alone");
   const Answer first = performer.evaluate(warp, asked);
-  checks.expect(first.is_usable(), "says " + to_text(first));
+  checks.expect(first.is_usable(), "reports " + to_text(first));
   performer.call(kRunStage, other.inputs);
   const std::string after_fit = difference(performer.evaluate(warp, asked), first);
   checks.expect(after_fit.empty(), "after another fit, " + after_fit);
@@ -80,7 +80,7 @@ void check_warp(const Subject& subject, Checks& checks) {
 
   checks.begin("evaluated at no point");
   const Answer nothing = performer.evaluate(warp, {Array<double>({0, 2}, 0.0), 0});
-  checks.expect(nothing.is_usable(), "says " + to_text(nothing));
+  checks.expect(nothing.is_usable(), "reports " + to_text(nothing));
   check_derivatives(performer, warp, points, 1, checks);
   check_derivatives(performer, warp, points, 2, checks);
 }

@@ -39,7 +39,7 @@ void check_manifest(const Subject& subject, Checks& checks) {
       outputs.empty() || std::any_of(outputs.begin(), outputs.end(), [&](const RoleSlot& output) {
         return subject.produces(output.name);
       });
-  checks.expect(makes_any, "it announces no output: say what it makes in kAbout, as 'produces'");
+  checks.expect(makes_any, "it announces no output: list its outputs in kAbout, as 'produces'");
 }
 
 void check_life(const Subject& subject, Checks& checks) {
@@ -89,7 +89,7 @@ ContractReport check_role_contract(const std::string& id, const ContractOptions&
     const bool occurs =
         std::any_of(report.deviations.begin(), report.deviations.end(),
                     [&](const std::string& line) { return line.starts_with(known + ": "); });
-    if (!occurs) report.failures.push_back(known + ": is said to deviate and holds");
+    if (!occurs) report.failures.push_back(known + ": is declared as a deviation, and passes");
   }
   return report;
 }

@@ -48,15 +48,13 @@ std::optional<std::string> refusal_of(const std::vector<View>& views, const Imag
   if (coverage.largest_tilt_rad < kLeastTilt_rad) {
     return fmt::format(
         "in all views the board is nearly parallel to the image (turned by {:.0f} degrees at "
-        "most), "
-        "so that a long focal length far away looks like a short one nearby: turn the board by 20 "
-        "to 40 degrees, to each of its four sides",
+        "most): turn the board by 20 to 40 degrees, to all four sides",
         coverage.largest_tilt_rad / kDegree);
   }
   if (coverage.share() < kLeastShare) {
     return fmt::format(
-        "corners cover {:.0f} % of the image, and at least {:.0f} % are needed, as the lens beyond "
-        "them would be guessed: bring the board closer, and to the borders of the image",
+        "corners cover {:.0f} % of the image, and at least {:.0f} % are needed to determine the "
+        "lens: bring the board closer, and to the borders of the image",
         100.0 * coverage.share(), 100.0 * kLeastShare);
   }
   return std::nullopt;
@@ -67,16 +65,16 @@ std::optional<std::string> refusal_of(const Solution& solution, const ImageSize&
   const double most_px = std::max(1.0, kMostError * side_px);
   if (!(solution.rms_px <= most_px)) {
     return fmt::format(
-        "the camera that fits best leaves {:.2g} px at the corners, more than {:.2g}: is the board "
-        "flat and printed as --squares says, are the images sharp and of one camera with a fixed "
-        "focus, does the lens need more numbers (--distortion 8)?",
+        "the camera that fits best leaves {:.2g} px at the corners, more than {:.2g}. Check that "
+        "the board is flat and printed as in --squares, and that the images are sharp and from one "
+        "camera with a fixed focus. The lens may need more numbers (--distortion 8)",
         solution.rms_px, most_px);
   }
   const double spread_rad = spread_of(solution.tilt_rad);
   if (spread_rad < kLeastSpread_rad) {
     return fmt::format(
         "in all views the board is turned the same way (within {:.0f} degrees): turn it by 20 to "
-        "40 degrees to each of its four sides, or move the camera around it",
+        "40 degrees to each of its four sides, or move the camera",
         spread_rad / kDegree);
   }
   const double focal =
@@ -87,8 +85,8 @@ std::optional<std::string> refusal_of(const Solution& solution, const ImageSize&
   if (known && solution.condition <= kMostCondition) return std::nullopt;
   return fmt::format(
       "the views determine the camera badly (focal length to {}, centre to {} of the image's "
-      "longer side; condition {:.1g}): turn the board by 20 to 40 degrees to each of its four "
-      "sides, close to the camera, and give at most as many --distortion numbers as the lens needs",
+      "longer side; condition {:.1g}). Turn the board by 20 to 40 degrees to each of its four "
+      "sides, close to the camera, and give no more --distortion numbers than the lens needs",
       percent(focal), percent(centre), solution.condition);
 }
 

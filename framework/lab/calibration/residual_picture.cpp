@@ -62,7 +62,7 @@ Result<std::string> residual_picture(const Calibration& calibration) {
     if (cv::imencode(".png", picture, bytes)) return std::string(bytes.begin(), bytes.end());
   } catch (const cv::Exception&) {  // said below
   }
-  return Error{Errc::unsupported, "the picture of the residuals cannot be encoded as PNG", {}};
+  return Error{Errc::unsupported, "the image of the residuals cannot be encoded as PNG", {}};
 }
 
 }  // namespace weft::calibration

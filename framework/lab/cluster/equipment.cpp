@@ -18,7 +18,7 @@ Equipment Equipment::here(const host::Registry& registry) {
 }
 
 std::string Equipment::difference(const Equipment& other) const {
-  if (weft != other.weft) return "Weft is of version " + other.weft + " instead of " + weft;
+  if (weft != other.weft) return "Weft has version " + other.weft + " instead of " + weft;
   if (processor != other.processor) return "the processor has other features";
   std::vector<std::string> ids;
   for (const auto& [id, build] : builds) {
@@ -29,7 +29,7 @@ std::string Equipment::difference(const Equipment& other) const {
   constexpr std::size_t kMost = 5;
   std::string text;
   for (std::size_t i = 0; i < std::min(ids.size(), kMost); ++i) {
-    text += (i == 0 ? "components are of another build: " : ", ") + ids[i];
+    text += (i == 0 ? "components from another build: " : ", ") + ids[i];
   }
   if (ids.size() > kMost) text += " and " + std::to_string(ids.size() - kMost) + " more";
   return text;

@@ -72,8 +72,8 @@ class Look {
     }
     state_.reasons.push_back(std::to_string(open) + " cells of a task that ended early; " +
                              submission.log_of(task) +
-                             " may say why. If there is none, it was never started, or its machine "
-                             "does not share the folder");
+                             " may have the reason. If there is none, it was never started, or its "
+                             "machine does not share the folder");
   }
 
   const std::set<std::string>& left_;

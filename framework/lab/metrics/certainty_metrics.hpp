@@ -42,11 +42,12 @@ struct FrameCertainty {
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit({"confidence", "what the shape said of itself"}, self.confidence);
-    visit({"seen_mm",
-           "mean error of the points that the camera sees, of all where the truth does not tell",
-           kLower},
-          self.seen_mm);
+    visit({"confidence", "confidence that the solver stated for the shape"}, self.confidence);
+    visit(
+        {"seen_mm",
+         "mean error of the points that the camera sees, of all where the truth has no visibility",
+         kLower},
+        self.seen_mm);
   }
 };
 

@@ -155,7 +155,7 @@ Result<void> measure_error(const ShapeMeter& meter, const FrameRecords& records,
   frame.unlocated = errors->unlocated;
   if (frame.points == 0) {
     frame.no_error_because = records.ground_truth->cloud_m.present()
-                                 ? "nobody knows where on the template its points are"
+                                 ? "the places of its points on the template are unknown"
                                  : "the truth has no points";
   } else if (errors->distances_m.empty()) {
     frame.no_error_because = "no point of the truth lies on the template's mesh";

@@ -157,10 +157,10 @@ struct FrameMetrics {
     visit({"cut", "the true points jumped since the frame before"}, self.motion.cut);
     visit({"truth_jitter_mm", "the truth's own jitter, over its points"},
           self.motion.truth_jitter_mm);
-    visit({"reprojection_px", "mean distance of correct matches to their projected estimate",
-           kLower, "reprojection px"},
+    visit({"reprojection_px", "mean distance of inliers to their projected estimate", kLower,
+           "reprojection px"},
           self.image.reprojection_px);
-    visit({"reprojection_matches", "correct matches on the mesh"}, self.image.reprojection_matches);
+    visit({"reprojection_matches", "inliers on the mesh"}, self.image.reprojection_matches);
     visit({"overlay_px", "mean distance of projected vertices to their true images", kLower,
            "vertices px"},
           self.image.overlay_px);
@@ -169,8 +169,7 @@ struct FrameMetrics {
     visit.optional(self.depth);
     visit.optional(self.surface);
     visit.keyed({"parts", "parts of the truth, each scored by itself"}, self.parts);
-    visit.derived({"visibility", "where the truth says what the camera sees"},
-                  visibility_of(self.visibility));
+    visit.derived({"visibility", "where the truth has visibility"}, visibility_of(self.visibility));
     visit.optional(self.certainty);
     visit.keyed({"filters", "what each filter made of the matches, by its stage"}, self.filters);
     visit.keyed({"warps", "how far each warp is off, by its stage"}, self.warps);

@@ -36,7 +36,7 @@ struct FilterCounts {
     visit({"mismatches", "of those with a label, wrong ones"}, self.mismatches);
     visit({"correct", "of those with a label, right ones"}, self.correct);
     visit({"rejected_wrong", "mismatches that it rejected"}, self.rejected_wrong);
-    visit({"rejected_right", "correct matches that it rejected"}, self.rejected_right);
+    visit({"rejected_right", "inliers that it rejected"}, self.rejected_right);
   }
 };
 
@@ -75,7 +75,7 @@ struct FilterMetrics {
     visit({"tpr_percent", "mismatches rejected, of all mismatches (a positive is a mismatch)",
            kHigher, "TPR %", 1},
           self.tpr_percent);
-    visit({"fpr_percent", "correct matches rejected, of all correct ones", kLower, "FPR %", 1},
+    visit({"fpr_percent", "inliers rejected, of all inliers", kLower, "FPR %", 1},
           self.fpr_percent);
     visit({"kept_percent", "matches kept, of those that entered", kHigher, "kept %", 1},
           self.kept_percent);

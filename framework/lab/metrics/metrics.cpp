@@ -308,7 +308,7 @@ Result<RunMetrics> evaluate_run(const std::string& folder, const EvaluationOptio
     if (!records && reader->killed()) {
       // The rest had not been written to the disk when the run was cut off.
       warnings.push_back(records.error().where + ": " + records.error().message + "; frames from " +
-                         std::to_string(line.frame) + " on are left out");
+                         std::to_string(line.frame) + " on are omitted");
       break;
     }
     if (!records) {

@@ -46,7 +46,7 @@ struct RunMetrics {
           self.alignment);
     visit({"has_solver", "without one there are no shapes"}, self.has_solver);
     visit({"interrupted", "the run was killed while it wrote a frame's line"}, self.interrupted);
-    visit({"dropped", "frames of the source that a run of `realtime: latest` left out"},
+    visit({"dropped", "frames of the source that a run with `realtime: latest` skipped"},
           self.dropped);
     visit({"truth_users", "components that may have read the truth"}, self.truth_users);
     visit({"implements", "solvers, warps and filters: paper, reconstruction or own"},

@@ -44,15 +44,14 @@ struct ImageSummary {
           self.match_tolerance_px);
     visit({"truth_map_px", "how well the truth predicts itself, median over frames", kLower},
           self.truth_map_px);
-    visit(
-        {"reprojection_px", "mean distance of correct matches to their projected estimate", kLower},
-        self.reprojection_px);
-    visit({"reprojection_frames", "in so many frames"}, self.reprojection_frames);
-    visit({"reprojection_matches", "over so many matches"}, self.reprojection_matches);
+    visit({"reprojection_px", "mean distance of inliers to their projected estimate", kLower},
+          self.reprojection_px);
+    visit({"reprojection_frames", "number of these frames"}, self.reprojection_frames);
+    visit({"reprojection_matches", "number of these inliers"}, self.reprojection_matches);
     visit({"overlay_px", "mean distance of projected vertices to their true images", kLower},
           self.overlay_px);
-    visit({"overlay_frames", "in so many frames"}, self.overlay_frames);
-    visit({"overlay_vertices", "over so many vertices"}, self.overlay_vertices);
+    visit({"overlay_frames", "number of these frames"}, self.overlay_frames);
+    visit({"overlay_vertices", "number of these vertices"}, self.overlay_vertices);
     visit({"behind_camera_frames", "with a point behind the camera, without such numbers"},
           self.behind_camera_frames);
   }

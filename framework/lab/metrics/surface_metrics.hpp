@@ -80,7 +80,7 @@ struct SampledSummary {
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit({"sampled_frames", "of which there are sampled distances"}, self.frames);
+    visit({"sampled_frames", "frames with sampled distances"}, self.frames);
     visit({"sampled_from_truth_mm", "mean distance of true samples to the nearest of the mesh",
            kLower},
           self.from_truth_mm);

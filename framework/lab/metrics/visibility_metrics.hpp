@@ -44,12 +44,12 @@ struct VisibilityMetrics {
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
-    visit({"frames", "whose truth says what is seen"}, self.frames);
-    visit({"vertices", "that a pass told something of"}, self.vertices);
+    visit({"frames", "frames whose truth has visibility"}, self.frames);
+    visit({"vertices", "vertices that a pass classified as visible or hidden"}, self.vertices);
     visit({"hidden_vertices", "of them, hidden in truth"}, self.hidden_vertices);
-    visit({"precision_percent", "of the vertices said to be seen, those that are", kHigher},
+    visit({"precision_percent", "visible share of the vertices classified as visible", kHigher},
           self.precision_percent);
-    visit({"recall_percent", "of the vertices that are seen, those said to be", kHigher},
+    visit({"recall_percent", "share of the visible vertices classified as visible", kHigher},
           self.recall_percent);
     visit({"f1_percent", "of seen vertices", kHigher}, self.f1_percent);
     visit({"hidden_f1_percent", "of hidden vertices", kHigher}, self.hidden_f1_percent);

@@ -38,7 +38,7 @@ void add_caption(PdfPage& page, const MarkerSheet& sheet, std::int64_t seed) {
   const double baseline_mm = sheet.height_mm - 4.8;
   page.write_text(kMargin_mm, baseline_mm, kHeight_mm,
                   fmt::format("Print at 100 %, without scaling: the bar is {:.0f} mm.   Weft FREX "
-                              "sheet, {} markers {}, seed {}",
+                              "page, {} markers {}, seed {}",
                               kBar_mm, sheet.markers.size(), sheet.dictionary, seed));
   const double x1 = sheet.width_mm - kMargin_mm, x0 = x1 - kBar_mm, y = baseline_mm - 0.8;
   for (const double x : {x0, x1}) page.draw_line(x, y - kTick_mm, x, y + kTick_mm, kLine_mm);

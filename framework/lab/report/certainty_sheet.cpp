@@ -8,8 +8,8 @@ constexpr const char* kCertaintyNote =
     "Of all solved frames with an error. Brier score: mean of (confidence - right)^2, 0 is "
     "perfect. Right: the mean error of what the camera sees is below 2 % of the template's "
     "diagonal. Silently wrong: estimated, and a mean error above 20 mm. Within: vertices whose "
-    "error along the major axis of their covariance is at most so "
-    "many standard deviations; of normal errors 68.3, 95.4 and 99.7 %.";
+    "error along the major axis of their covariance is at most this number of standard deviations; "
+    "of normal errors 68.3, 95.4 and 99.7 %.";
 
 }  // namespace
 

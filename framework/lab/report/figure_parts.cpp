@@ -29,7 +29,7 @@ std::string sweep_figure(const Results& results, const Sweep& sweep, std::size_t
   const std::string caption =
       sweep.stage.empty()
           ? "Means over sequences, each the mean over its seeds; the band is the interval of the "
-            "mean error in the table of results. Measures that do not change are left out."
+            "mean error in the table of results. Measures that do not change are omitted."
           : "A point is the mean over all frames at one value of " + axis +
                 ", which changes what the stage rejects and not what it is given. AUC: trapezoids, "
                 "with (0, 0) and (100, 100) added; in percent. "
@@ -55,24 +55,25 @@ bool has_scores(const ReportTables& tables, const std::string& stage) {
 std::string curves_part(const ReportTables& tables, const Figures& figures) {
   if (!tables.has_error) return "";
   std::string text =
-      "<p>Which combinations are drawn is chosen with the squares in the table of results, "
-      "sixteen at most. Each of many has a panel of its own, in which the others are grey; those "
-      "with the same curve share one.</p>\n<h3>Distribution</h3>\n" +
+      "<p>The squares in the table of results select the combinations to plot, sixteen at most. If "
+      "there are many, each has a separate panel, in which the others are grey; those with the "
+      "same curve share one.</p>\n<h3>Distribution</h3>\n" +
       figure("figure-distribution",
              "Share of all frames with truth whose mean error is at most x. Frames without a "
-             "shape of their own have no error: they keep a curve below 100 %.");
+             "reconstructed shape have no error: they keep a curve below 100 %.");
   const auto long_enough = [](const FrameCurve& curve) { return curve.error.x.size() > 1; };
   if (std::none_of(figures.over_frames.begin(), figures.over_frames.end(), long_enough)) {
     return text;
   }
   return text + "<h3>Over the frames</h3>\n" +
-         figure("figure-by-frame",
-                fmt::format("Mean over sequences, each the mean over its seeds, of the error at "
-                            "each frame, or of how much more it is than that of the combination "
-                            "with the smallest mean, sequence by sequence. The band is the 95 % "
-                            "interval by a bootstrap over sequences, from {} on. Frames that were "
-                            "not solved are left out: see the table for how many they are.",
-                            kLeastSequences));
+         figure(
+             "figure-by-frame",
+             fmt::format(
+                 "Mean over sequences, each the mean over its seeds, of the error at each frame. "
+                 "The difference is to the combination with the smallest mean, sequence by "
+                 "sequence. The band is the 95 % interval by a bootstrap over sequences, from {} "
+                 "on. Frames that were not solved are omitted: the table has their number.",
+                 kLeastSequences));
 }
 
 std::string certainty_part(const Results& results, const ReportTables& tables, bool scripted) {
@@ -89,12 +90,11 @@ std::string certainty_part(const Results& results, const ReportTables& tables, b
     return to_html(sheet);
   }
   return to_html(sheet) + "<h3>Reliability</h3>\n" +
-         figure(
-             "figure-reliability",
-             "Of the frames whose confidence is in a tenth of [0, 1], the share that is right, at "
-             "their mean confidence; larger where there are more of them. On the diagonal a "
-             "confidence is what it says; above it, it is too low. Combinations whose frames are "
-             "all in one tenth are not drawn.");
+         figure("figure-reliability",
+                "Of the frames whose confidence is in a tenth of [0, 1], the share that is right, "
+                "at their mean confidence; larger where there are more of them. On the diagonal a "
+                "confidence equals the share that is right; above it, it is too low. Combinations "
+                "whose frames are all in one tenth are not plotted.");
 }
 
 std::string sweeps_part(const Results& results, const Figures& figures) {
@@ -113,9 +113,8 @@ std::string scores_part(const ReportTables& tables) {
         "<figure class=\"scores\" id=\"figure-scores-{}\" data-scores=\"{}\"><h3>Scores of "
         "{}</h3>\n"
         "<div class=\"controls\"></div><div class=\"plot\"></div>\n"
-        "<figcaption>What the filter thinks of the matches that it is given, 1 best: share of all "
-        "mismatches, and of all correct matches, in each fortieth of its scores.</figcaption>"
-        "</figure>\n",
+        "<figcaption>Scores of the filter for its matches, 1 best. Curves: share of all "
+        "mismatches, and of all inliers, in each fortieth of its scores.</figcaption></figure>\n",
         i, i, html_escaped(tables.filter_stages[i]));
   }
   return text;
@@ -151,10 +150,9 @@ std::string worst_part(const Results& results, const Figures& figures) {
 std::string viewer_part(const Figures& figures) {
   if (figures.cells.empty()) return "";
   return viewer_html(
-      fmt::format("The page holds the worst, the median and the best cell of each of the eight "
-                  "combinations with the smallest mean errors, at most {} frames a cell and {} "
-                  "true points a frame, "
-                  "evenly chosen.",
+      fmt::format("The page contains the worst, the median and the best cell of each of the eight "
+                  "combinations with the smallest mean errors. It has at most {} frames a cell and "
+                  "{} true points a frame, evenly chosen.",
                   ViewLimits{}.frames, ViewLimits{}.truth_points));
 }
 

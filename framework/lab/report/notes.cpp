@@ -21,7 +21,7 @@ std::string alignment_text(const Results& results) {
 std::string data_use_text(const std::string& use) {
   if (use == "reporting") return "reporting: by the plan nothing was tuned on these sequences";
   if (use == "tuning") return "tuning: not for publication";
-  return "the plan does not say";
+  return "not stated in the plan";
 }
 
 struct Counts {
@@ -93,7 +93,7 @@ std::string combinations_note(const Results& results, const ReportTables& tables
   if (tables.has_error) {
     text = fmt::format(
         "Mean: over the n sequences, each the mean over its seeds, of the mean 3D error of the "
-        "solved frames; a frame's error is the mean distance of its true points from their places "
+        "solved frames. A frame's error is the mean distance of its true points from their places "
         "on the estimated mesh, {}. 95 %: of the mean, by a bootstrap over sequences, from {} "
         "sequences on. Worst: the largest mean error of a frame in any cell. ",
         alignment_text(results), kLeastSequences);
@@ -103,22 +103,21 @@ std::string combinations_note(const Results& results, const ReportTables& tables
   }
   return text +
          "Frames failed: with truth, but without a shape, or off by more than a tenth of the "
-         "template's diagonal; a cell that failed as a whole failed at each of them. A frame that "
-         "is "
-         "off enters the mean, the others enter none.";
+         "template's diagonal. A cell that failed as a whole failed at each of them. A frame that "
+         "is off enters the mean, the others enter none.";
 }
 
 std::string comparisons_note() {
   return fmt::format(
-      "A − B: mean over the n sequences of the difference, paired by sequence, frame and seed; the "
-      "values of other axes count as further seeds. p: of the exact test of the differences' "
-      "signs; p, Holm: corrected for every test of the comparison, at most 0.05 names the better "
-      "one. 95 %: corrected like p, so that zero lies outside where one is named. Smallest effect: "
-      "the difference that would be named 4 "
-      "times in 5, a dash where n is too small for so many tests. No value only A, only B: of all "
-      "places compared, those where one has no value and the other has one; a frame that is off "
-      "has a value. Too few: no outcome of n sequences could be called among so many tests, and "
-      "always below {}. Sequences on which both are the same count in n, but call nothing.",
+      "A − B: mean over the n sequences of the difference, paired by sequence, frame and seed. The "
+      "values of other axes count as further seeds. Column p: of the exact test of the "
+      "differences' signs. Column p, Holm: corrected for every test of the comparison, at most "
+      "0.05 names the better one. 95 %: corrected like p, so that zero lies outside where one is "
+      "named. Smallest effect: the difference that would be named 4 times in 5, a dash where n is "
+      "too small for this number of tests. No value only A, only B: of all places compared, those "
+      "where one has no value and the other has one. A frame that is off has a value. Too few: no "
+      "outcome of n sequences could be called among these tests, and always below {}. Sequences on "
+      "which both are the same count in n, but call nothing.",
       kLeastSequences);
 }
 
@@ -133,9 +132,9 @@ std::string filters_note(const Results& results) {
           ? fmt::format(" A match is correct up to {:.4g} px from its true place.",
                         results.match_tolerance_px)
           : "";
-  return "TPR: mismatches that were rejected; FPR: correct matches that were rejected; kept "
-         "(n_s): of those that entered; precision (AoS): correct, of those kept. Each is the mean "
-         "over the frames in which it is defined, then over seeds, then over the n sequences." +
+  return "TPR: mismatches that were rejected; FPR: inliers that were rejected; kept (n_s): of "
+         "those that entered; precision (AoS): correct, of those kept. Each is the mean over the "
+         "frames in which it is defined, then over seeds, then over the n sequences." +
          tolerance;
 }
 
@@ -163,7 +162,7 @@ std::vector<std::string> notices_of(const Results& results, const ReportTables& 
   }
   if (counts.missing > 0) {
     notices.push_back(
-        fmt::format("{} of {} cells have not been run yet: the figures are of what is there.",
+        fmt::format("{} of {} cells have not been run yet: the figures cover the existing cells.",
                     counts.missing, results.plan.cells.size()));
   }
   if (!results.records.damaged.empty()) {
@@ -172,7 +171,7 @@ std::vector<std::string> notices_of(const Results& results, const ReportTables& 
     for (const Damage& damage : results.records.damaged) {
       if (places.size() < kMost) places.push_back(damage.where + " (" + damage.what + ")");
     }
-    notices.push_back(fmt::format("{} left out: {}{}. To run these cells again: {}",
+    notices.push_back(fmt::format("{} omitted: {}{}. To run these cells again: {}",
                                   counted(results.records.damaged.size(), "damaged result"),
                                   listed(places),
                                   results.records.damaged.size() > kMost ? ", ..." : "",
@@ -195,7 +194,7 @@ std::vector<std::string> notices_of(const Results& results, const ReportTables& 
   if (counts.use_truth) {
     notices.emplace_back(
         "Some combinations have a component that may read the truth: they are no measurement, and "
-        "their rows say so.");
+        "their rows are marked.");
   }
   return notices;
 }
@@ -226,10 +225,10 @@ std::vector<std::pair<std::string, std::string>> facts_of(const Results& results
   facts.emplace_back(counted(results.plan.seeds.size(), "seed"), listed(results.plan.seeds));
   facts.emplace_back("data for", data_use_text(results.plan.data_use));
   facts.emplace_back(
-      "cells", fmt::format("{} planned: {} done, {} failed, {} not run; {} with settings or data "
-                           "of their own",
-                           results.plan.cells.size(), counts.done, counts.failed, counts.missing,
-                           distinct_keys(results)));
+      "cells",
+      fmt::format("{} planned: {} done, {} failed, {} not run; {} with separate settings or data",
+                  results.plan.cells.size(), counts.done, counts.failed, counts.missing,
+                  distinct_keys(results)));
   if (!results.processors.empty()) facts.emplace_back("processor", listed(results.processors));
   return facts;
 }

@@ -7,9 +7,9 @@ namespace weft::lab {
 namespace {
 
 constexpr const char* kSpeedNote =
-    "Processor time of all stages in a frame, the source not counted, of cells that ran alone with "
-    "nothing shared; means over sequences, each the mean over its seeds. Frames a second: so many "
-    "of them fit into a second of one processor core; threads and devices work beside it.";
+    "CPU time of all stages in a frame, the source not counted, of cells that ran alone with "
+    "nothing shared; means over sequences, each the mean over its seeds. Frames a second: frames "
+    "that fit into a second of one processor core; threads and devices work beside it.";
 
 }  // namespace
 

@@ -45,11 +45,10 @@ std::string scenes_figure(const ComparisonResult& comparison, std::size_t index)
   return fmt::format(
       "<figure class=\"scenes\" id=\"figure-scenes-{0}\" data-comparison=\"{0}\"><h4>Scene by "
       "scene</h4>\n<div class=\"plot\"></div>\n<figcaption>The same difference on each sequence, "
-      "or kind of data where there are many. Blue: A is better there; orange: B is; grey: the 95 "
-      "% interval holds zero, or there are too few frames for one. The interval of a sequence is "
-      "by a bootstrap over stretches of its frames: how sure the difference is on this very "
-      "sequence, not on others like it, and not corrected for the number of rows.</figcaption>"
-      "</figure>\n",
+      "or kind of data where there are many. Blue: A is better there; orange: B is; grey: the 95 % "
+      "interval holds zero, or there are too few frames for one. The interval of a sequence is by "
+      "a bootstrap over stretches of its frames. It holds for this very sequence, not for others "
+      "like it, and is not corrected for the number of rows.</figcaption></figure>\n",
       index);
 }
 

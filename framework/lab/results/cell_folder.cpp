@@ -122,7 +122,7 @@ Result<CellView> view_of(const Template& sheet, const std::map<std::uint64_t, Fr
   for (const auto& [index, stored] : frames) {
     if (position++ % step != 0) continue;
     if (stored.shape && stored.shape->vertices_m.rows() != sheet.vertices_m.rows()) {
-      return Error{Errc::invalid_data, "a shape is not of the template's mesh"};
+      return Error{Errc::invalid_data, "a shape does not match the template's mesh"};
     }
     view.frames.push_back(view_frame(sheet, *locator, index, stored, limits.truth_points));
   }

@@ -107,11 +107,11 @@ std::string undecided_list(const std::vector<const PairComparison*>& pairs, cons
 std::string rest_text(const Rank& standing, const std::string& unit) {
   std::string text;
   if (!standing.undecided.empty()) {
-    text += fmt::format(" Not told apart from it: {}.",
+    text += fmt::format(" Not significantly different from it: {}.",
                         undecided_list(standing.undecided, standing.name, unit));
   }
   if (!standing.too_few.empty()) {
-    text += fmt::format(" Too few sequences to tell from it: {}.",
+    text += fmt::format(" Too few sequences to compare with it: {}.",
                         names_of(standing.too_few, standing.name));
   }
   return text;
@@ -136,7 +136,7 @@ std::string none_decided(const ComparisonTable& table, const ComparisonOptions& 
         return std::abs(a.test.mean) < std::abs(b.test.mean) ||
                (std::isnan(a.test.mean) && !std::isnan(b.test.mean));
       });
-  return fmt::format("{} {} can be told from another. {}", begun(where, "None of the"),
+  return fmt::format("{} {} differs significantly from another. {}", begun(where, "None of the"),
                      table.treatments.size(), brief_sentence_of(*largest, options, table.tests));
 }
 

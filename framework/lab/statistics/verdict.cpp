@@ -12,7 +12,7 @@ namespace {
 
 std::string too_few_text(const PairComparison& pair, const ComparisonOptions& options,
                          std::int64_t tests, const std::string& where) {
-  std::string text = begun(where, "Too few sequences to tell ") + pair.a + " from " + pair.b +
+  std::string text = begun(where, "Too few sequences to compare ") + pair.a + " with " + pair.b +
                      " in " + options.measure + ": ";
   if (pair.test.n >= kLeastSequences) {
     text += fmt::format("with {} tests {} could call nothing", tests, pair.test.n);
@@ -41,7 +41,7 @@ std::string undecided_text(const PairComparison& pair, const ComparisonOptions& 
     return fmt::format("{} have the same {} on each of {}", names, options.measure,
                        sequences_text(pair.test.n));
   }
-  return fmt::format("{} cannot be told apart: {} {}, a difference of {}, {}{}", names,
+  return fmt::format("{} do not differ significantly: {} {}, a difference of {}, {}{}", names,
                      options.measure, two_means(pair.mean_a, "and", pair.mean_b, options.unit),
                      with_unit(gain_of(pair).mean, difference_unit(options.unit)),
                      evidence_of(pair, options.unit, tests), ties_text(pair));
@@ -113,7 +113,7 @@ std::string failures_text(const PairComparison& pair, std::int64_t tests) {
 
 std::string unpaired_text(const std::string& name, const std::vector<PanelPlace>& places) {
   if (places.empty()) return "";
-  return fmt::format(" Left out: {} results that {} lacks, the first at {}.", places.size(), name,
+  return fmt::format(" Omitted: {} results that {} lacks, the first at {}.", places.size(), name,
                      to_string(places.front()));
 }
 
@@ -167,7 +167,7 @@ std::string sentence_of(const FriedmanComparison& friedman) {
         three_digits(friedman.test.chi_squared), n, three_digits(friedman.p_holm));
   }
   if (friedman.left_out.empty()) return text;
-  return text + fmt::format(" Left out: {}.", list_of(friedman.left_out));
+  return text + fmt::format(" Omitted: {}.", list_of(friedman.left_out));
 }
 
 }  // namespace weft::lab

@@ -34,17 +34,17 @@ struct CallRule {
 
 /// One stage or sink of a pipeline.
 struct StageConfig {
-  std::string name;            ///< see names_of_stages
-  bool named = false;          ///< `as` was given
-  std::string role;            ///< that its plugin is meant to have; empty when that cannot be told
-  std::vector<FromRule> from;  ///< [.] rules of the key `from`
+  std::string name;               ///< see names_of_stages
+  bool named = false;             ///< `as` was given
+  std::string role;               ///< expected role of its plugin; empty if unknown
+  std::vector<FromRule> from;     ///< [.] rules of the key `from`
   host::ComponentSpec component;  ///< without `installed` where the plugin is not known
   /// Detectors: the component with `template_params` over `params`, for the template's texture.
   std::optional<host::ComponentSpec> on_template;
   bool overwrite = false;                    ///< its outputs may go over what is there
   std::optional<host::Isolation> isolation;  ///< `isolate: process`; nothing runs it in this one
   bool stays_here = false;           ///< it has none, though there is a reason to give it one
-  bool isolated_by_default = false;  ///< it has one that the pipeline does not ask for
+  bool isolated_by_default = false;  ///< it has one that the pipeline does not request
   std::optional<CallRule> when;      ///< else it is called in every frame
   yaml::Position at;
 };
@@ -67,9 +67,10 @@ struct PipelineConfig {
   bool is_sequence = true;          ///< else frames are unordered: none has one before it
   bool latest_only = false;         ///< `realtime: latest`: frames that come meanwhile are dropped
   bool in_program = false;          ///< see PipelineDocument: there is neither source nor sink
-  Isolating isolating = Isolating::preferred;  ///< what was chosen
+  Isolating isolating = Isolating::preferred;  ///< the chosen isolation
   std::vector<std::string> doubts;             ///< warnings of the report, with their places
-  /// A mistake leaves open what some stages are called, so that names may be missing only by it.
+  /// An error makes the names of some stages unknown, so that missing names may only be a
+  /// consequence of it.
   bool unclear_names = false;
 };
 
@@ -79,7 +80,7 @@ struct ConfigReport {
   std::vector<yaml::Problem> problems;  ///< [.] errors with their places
   /// It is not known which stages there are, so that wiring cannot be checked, see yaml::Node.
   bool unclear_stages = true;
-  std::vector<yaml::Problem> warnings;  ///< what is legal, but doubtful
+  std::vector<yaml::Problem> warnings;  ///< legal, but doubtful settings
 
   bool ok() const { return problems.empty(); }
   /// Sorts by place.

@@ -164,7 +164,8 @@ class Loader {
   }
 
   void read_overwrite(const yaml::Node& node, StageConfig& stage) {
-    // What is refused without it would only follow from a flag that is none.
+    // A value that is no flag counts as true, because errors without the flag would only be
+    // consequences.
     stage.overwrite = node.find("overwrite") != nullptr && read_flag(node, "overwrite", true);
   }
 
@@ -223,7 +224,7 @@ class Loader {
     }
     if (contains(reserved_names(), name)) {
       config_.unclear_names = true;
-      problem(as->at, "'as' must not be '" + name + "', which has a meaning of its own");
+      problem(as->at, "'as' must not be '" + name + "', which is a reserved name");
     } else if (!names_.insert(name).second) {
       problem(as->at, "the name " + quote(name) + " is used twice");
     }
@@ -296,7 +297,7 @@ class Loader {
     if (when.kind != yaml::Kind::map) {
       problem(when.at, "'when' must be a map, such as {not_ok: NAME, every: 30}");
     } else if (when.entries.empty() && !rule.unclear) {
-      problem(when.at, "'when' says nothing; give it not_ok: NAME, every: N or both");
+      problem(when.at, "'when' is empty; give it not_ok: NAME, every: N or both");
     }
     read_integer(when, yaml::key_of(condition_keys(), "every"), rule.every);
     if (const yaml::Node* not_ok = when.find("not_ok")) {

@@ -218,7 +218,7 @@ class Reader {
     const yaml::Node* without = root.find("without");
     if (extends == nullptr) {
       if (without != nullptr) {
-        problem(without->at, "'without' needs 'extends', the file whose stages it leaves out");
+        problem(without->at, "'without' needs 'extends', the file whose stages it omits");
         erase(root, "without");
       }
       rename(root, {});

@@ -60,11 +60,12 @@ struct PipelineDocument {
   std::vector<PartOfFile> parts;               ///< without patches and settings
   std::vector<yaml::Problem> problems;         ///< [.] errors with their places
   std::vector<host::FormerName> former_names;  ///< that the texts use; the root has current ones
-  bool unreadable = false;                     ///< the file itself: nothing else can be said of it
-  bool unclear = false;        ///< what is missing may stand in a text that could not be read
-  bool unclear_names = false;  ///< a mistake leaves open which stages are left out
-  /// A program hands images in and takes what comes out: what is said of source and sinks is not
-  /// looked at.
+  bool unreadable = false;                     ///< the file itself is the error: no further ones
+                                               ///< are reported
+  bool unclear = false;        ///< a missing key may be in a text that could not be read
+  bool unclear_names = false;  ///< an error makes it unknown which stages are omitted
+  /// A program passes images in and takes the results, so that the settings of source and sinks are
+  /// ignored.
   bool in_program = false;
   Isolating isolating = Isolating::preferred;
 };

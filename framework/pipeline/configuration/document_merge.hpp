@@ -16,7 +16,7 @@ namespace weft {
 /// One document merged into another, by the rules of read_document.
 yaml::Node merged(yaml::Node base, yaml::Node over);
 
-/// Replaces the former names in a document that is to be laid over `base`.
+/// Replaces the former names in a document that will override parts of `base`.
 void use_current_names(yaml::Node& over, const yaml::Node& base, const host::Registry& registry,
                        std::vector<host::FormerName>& found, std::vector<yaml::Problem>& problems);
 

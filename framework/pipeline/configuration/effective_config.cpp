@@ -76,7 +76,7 @@ std::string effective_yaml(const PipelineConfig& config, Secrets secrets) {
   add("lost_after", yaml::plain_node(std::to_string(config.lost_after)));
   add("on_error", yaml::plain_node(config.stop_on_error ? "stop" : "continue"));
   add("max_failed", yaml::plain_node(std::to_string(config.max_failed)));
-  // What does not change results stands only where it is not left to the program.
+  // Settings that do not change results are listed only if they differ from the default.
   const PipelineConfig untouched;
   for (const auto& [key, value, usual] :
        {std::tuple{"frames_at_once", config.frames_at_once, untouched.frames_at_once},

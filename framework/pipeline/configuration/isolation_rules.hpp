@@ -19,7 +19,7 @@ class IsolationRules {
 
   bool is_wanted() const { return is_wanted_ && bound_by_.empty(); }
 
-  /// True if the absence of its own process deserves a message.
+  /// True if the absence of a separate process deserves a message.
   bool has_reason() const { return has_reason_; }
 
  private:

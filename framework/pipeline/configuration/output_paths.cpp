@@ -57,7 +57,8 @@ bool is_one_file(const fs::path& a, const struct stat& b) {
 /// The inputs of the pipeline.
 struct Reading {
   fs::path path;     ///< or a pattern
-  std::string what;  ///< "what 'camera' of sources/images reads", "a file of this pipeline"
+  std::string what;  ///< such as "what 'camera' of sources/images reads" or "a file of this
+                     ///< pipeline"
 };
 
 /// Calls `visit` with each entry of a folder until it returns true. A folder that cannot be listed
@@ -171,7 +172,7 @@ class Outputs {
     const std::string there = what_is_there(output.path);
     if (there.empty() || output.overwrite) return {};
     return path + " is " + there +
-           "; choose a path where nothing is, such as a relative one, which stands in the run "
+           "; choose a path where nothing is, such as a relative one, which is below the run "
            "folder, or write 'overwrite: true' beside 'use'";
   }
 

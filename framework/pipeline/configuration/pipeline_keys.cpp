@@ -16,19 +16,17 @@ using yaml::KeyTableBuilder;
 constexpr std::int64_t kMostFrames = std::numeric_limits<std::int32_t>::max();
 
 Place make_place(const char* what, PipelinePart part, const KeyTable& more) {
-  return {
-      what,
-      KeyTableBuilder(host::component_keys())
-          .all(more)
-          .choice(
-              "isolate", {"process", "none"},
-              "process: it runs in a process of its own, so that a crash costs one frame; none: "
-              "it does not, though its component prefers it or did not come with the program")
-          .whole("deadline_ms", 1, 86'400'000,
-                 "with isolate: process, after so many milliseconds a call is ended")
-          .flag("overwrite", "true: what it writes may go over what is there")
-          .otherwise("false"),
-      roles_of(part)};
+  return {what,
+          KeyTableBuilder(host::component_keys())
+              .all(more)
+              .choice("isolate", {"process", "none"},
+                      "process: it runs in a separate process, so that a crash costs one frame; "
+                      "none: it does not, even if its component prefers it or is third-party")
+              .whole("deadline_ms", 1, 86'400'000,
+                     "with isolate: process, the milliseconds after which a call is ended")
+              .flag("overwrite", "true: what it writes may go over what is there")
+              .otherwise("false"),
+          roles_of(part)};
 }
 
 KeyTable keys_of_sinks() {
@@ -79,7 +77,7 @@ const KeyTable& pipeline_keys() {
                 "false: frames are unordered images, so that nothing depends on the one before")
           .otherwise("true")
           .text("extends", "a pipeline file over which this one is laid")
-          .texts("without", "names of stages and sinks of that file to leave out");
+          .texts("without", "names of stages and sinks of that file to omit");
   return kKeys;
 }
 

@@ -256,7 +256,7 @@ Result<StageCall> read_call(const std::string& file, const DumpedStage& stage) {
   const weft_array* reason = find(*facts, "reason", WEFT_U8, 1);
   const weft_array* lines = find(*facts, "inputs", WEFT_U8, 1);
   if (frame == nullptr || status == nullptr || reason == nullptr || lines == nullptr) {
-    return damaged(file, "does not say which call it holds");
+    return damaged(file, "does not state which call it contains");
   }
   if (auto valid = check(*records, file); !valid) return valid.error();
   auto inputs = read_inputs(text_of(*lines), *records, stage, file);

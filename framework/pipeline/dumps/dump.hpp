@@ -22,11 +22,11 @@ struct DumpedStage {
   host::RecordPtr camera;
 };
 
-/// The folders dumps/STAGE of a run: stage.yaml and template.npz say what DumpedStage holds, and
-/// NNNNNN.npz holds one call, which is one frame. Its slots are `in.<slot>` and `out.<slot>`, with
-/// `#2`, `#3` ... from the second record of a slot on, and `call`: frame, status, reason, and under
-/// `inputs` a line "slot record producer" for each input in its order. Template and camera are the
-/// same in all calls and stand in template.npz alone.
+/// The folders dumps/STAGE of a run: stage.yaml and template.npz contain the fields of DumpedStage,
+/// and each NNNNNN.npz contains one call, which is one frame. Its slots are `in.<slot>` and
+/// `out.<slot>`, with `#2`, `#3` ... from the second record of a slot on. `call` has frame, status,
+/// reason, and under `inputs` a line "slot record producer" for each input in order. Template and
+/// camera are the same in all calls and are stored only in template.npz.
 class Dump {
  public:
   /// Fails with not_found when one of the names is no stage's.

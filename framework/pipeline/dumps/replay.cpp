@@ -148,7 +148,7 @@ Result<std::string> find_dump(const std::string& records, const std::string& sta
     if (!found) return found.error();
     if (found->name == stage) return root.string();
     return Error{Errc::not_found,
-                 "the dump is of the stage '" + found->name + "', not of '" + stage + "'", records};
+                 "the dump has the stage '" + found->name + "', not '" + stage + "'", records};
   }
   if (fs::is_directory(root / "dumps", code)) root /= "dumps";
   std::vector<std::string> stages;

@@ -23,8 +23,8 @@ struct Replayed {
 /// It runs in this process, also when the dumped one did not.
 class Replay {
  public:
-  /// `params` is a YAML map, laid over the dumped parameters; empty for none. Fails with
-  /// invalid_value for mistakes in it, and with what making and preparing the components says.
+  /// `params` is a YAML map that overrides dumped parameters; empty for none. Fails with
+  /// invalid_value for errors in it, and with the errors of creating and preparing the components.
   static Result<std::unique_ptr<Replay>> create(const host::Registry& registry,
                                                 const DumpedStage& stage,
                                                 const std::string& params);

@@ -48,7 +48,7 @@ double number_at(const weft_array& array, std::int64_t index) {
 
 /// Differences between two arrays of host records, which are contiguous; empty when there are none.
 std::string difference(const weft_array& before, const weft_array& after) {
-  if (before.dtype != after.dtype) return "is of another type";
+  if (before.dtype != after.dtype) return "has another type";
   if (before.ndim != after.ndim ||
       !std::equal(before.shape, before.shape + before.ndim, after.shape)) {
     return "has the shape " + shape_of(after) + " instead of " + shape_of(before);

@@ -47,7 +47,7 @@ class FitCheck {
   Result<void> operator()(const Shape& shape) const {
     const ShapeState state = shape.shape_state();
     if (state != ShapeState::estimated && state != ShapeState::weak) {
-      return broken("a solver may say estimated or weak only");
+      return broken("a solver may set only estimated or weak");
     }
     for (std::int64_t v = 0; v < shape.vertices_m.rows(); ++v) {
       const double z_m = shape.vertices_m(v, 2);
@@ -101,7 +101,7 @@ class FitCheck {
       for (std::int64_t i = 0; part_of->present() && i < part_of->rows(); ++i) {
         const std::int32_t part = (*part_of)(i);
         if (part >= -1 && part < parts) continue;
-        return broken("the true point " + std::to_string(i) + " is of part " +
+        return broken("the true point " + std::to_string(i) + " belongs to part " +
                       std::to_string(part) + ", the truth names " + std::to_string(parts));
       }
     }

@@ -17,8 +17,8 @@ namespace weft {
 struct StepRule {
   /// [frames] That far back, a frame must be settled; 0: none. Steps that read `previous.T@lag`.
   int frames_back = 0;
-  /// [steps] The frame before must have taken so many steps behind this one too. Steps whose
-  /// component later steps of a frame call again, as those of a warp do.
+  /// [steps] number of further steps that the previous frame must have completed too. Later steps
+  /// of a frame call this step's component again, as those of a warp do.
   std::size_t busy_for = 0;
 };
 

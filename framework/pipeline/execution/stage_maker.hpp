@@ -7,7 +7,7 @@
 
 namespace weft {
 
-/// Makes a component of a pipeline where that says: here or in a process of its own.
+/// Makes a component of a pipeline in the configured process: here or in a worker.
 Result<host::Instance*> instantiate(host::ExecutionContext& context, const StageConfig& stage,
                                     const host::ComponentSpec& component);
 

@@ -22,8 +22,8 @@ struct StageAnswer {
   std::vector<host::SharedText> causes;  ///< one for each output
 };
 
-/// What pipelines that run in step, in one execution context, take from one another. A stage is
-/// known by its key: equal keys promise equal work.
+/// Results that pipelines in step, in one execution context, share with one another. A stage is
+/// identified by its key: equal keys promise equal work.
 class StageMemo {
  public:
   /// Forgets the answers; the stages stay made.

@@ -13,7 +13,8 @@ namespace {
 constexpr int kLongestLag = 1000;  // [frames]
 constexpr int kRefused = -2;       // instead of a value: no further message is needed
 constexpr std::string_view kPrevious = "previous.";
-constexpr const char* kOfHost[] = {"frame_report", "run_settings"};  // what the host says to sinks
+constexpr const char* kOfHost[] = {"frame_report", "run_settings"};  // inputs of sinks that the
+                                                                     // host provides
 
 /// Sources have a choice and declare their outputs. A program gives an image and its time.
 bool may_enter(const PipelineConfig& config, const std::string& slot) {

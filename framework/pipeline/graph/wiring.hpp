@@ -18,7 +18,7 @@ std::vector<std::string> products_of(const host::ComponentManifest& component);
 /// The same for a stage, as far as its role alone determines it if the plugin is unknown.
 std::optional<Words> products_of(const StageConfig& stage);
 
-/// What its role means to the host, with its component's own slots where the role leaves them open.
+/// How the host treats its role, with its component's own slots if the role leaves them open.
 const RoleRules& rules_of(const StageConfig& stage);
 
 /// True if the plugin and all that are nested in it are known.
@@ -34,7 +34,7 @@ struct Demand {
 std::vector<Demand> demands_of(const StageConfig& stage, const RoleMethod& offered,
                                std::vector<yaml::Problem>& problems);
 
-/// What a mistake leaves open of the reading, so that nothing that only follows from it is said.
+/// The parts of the graph that an error makes unknown, so that mere consequences are not reported.
 struct OpenReading {
   std::set<std::string> slots;        ///< some stage may be meant to read any value of these
   std::optional<std::size_t> before;  ///< and some may read anything that is made before this stage

@@ -52,7 +52,7 @@ class Demands {
                     " are never given");
     }
     if (slot == "ground_truth" && !component.uses_truth && !rules_of(component.role()).measures) {
-      return refuse(component.id + " reads ground_truth without saying uses_truth");
+      return refuse(component.id + " reads ground_truth without declaring uses_truth");
     }
     for (Demand& demand : demands_) {
       if (demand.slot != slot) continue;

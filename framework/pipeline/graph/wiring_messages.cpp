@@ -38,7 +38,7 @@ std::string no_stage(const PipelineConfig& config, const std::string& name) {
     if (sink.name == name) return "'" + name + "' is a sink, which makes nothing to be read";
   }
   for (const LeftOut& gone : config.left_out) {
-    if (gone.name == name) return "'" + name + "' is left out by " + line_of(config, gone.at);
+    if (gone.name == name) return "'" + name + "' is omitted by " + line_of(config, gone.at);
   }
   return {};
 }
@@ -116,7 +116,7 @@ std::string missing_input(const PipelineConfig& config, const host::Registry& re
   for (const LeftOut& gone : config.left_out) {
     const host::Installed* entry = registry.find(gone.use);
     if (entry == nullptr || !can_make(entry->component, slot)) continue;
-    message += " ('" + gone.name + "' is left out by " + line_of(config, gone.at) + ")";
+    message += " ('" + gone.name + "' is omitted by " + line_of(config, gone.at) + ")";
   }
   Words producers;
   for (const host::Installed& entry : registry.installed()) {
@@ -171,7 +171,7 @@ std::string nothing_to_unite(const Graph& graph, const StageConfig& reader,
   const std::string id = reader.component.component().id;
   const Words makers = makers_of(graph, slot);
   if (makers.size() < 2) {
-    return id + " unites several '" + slot + "', of which there is " +
+    return id + " unites several '" + slot + "', but there is " +
            (makers.empty() ? "none" : "one") + "; leave it out";
   }
   return id + " unites several '" + slot + "', and without 'from' it is given the latest only; " +

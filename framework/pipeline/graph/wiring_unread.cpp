@@ -43,7 +43,7 @@ class Readers {
     const ValueInfo& value = info(lost);
     const std::string next = next_maker(lost);
     const bool named = config_.stages[stage].named;
-    return "nobody reads " + what_of(value) +
+    return "no component reads " + what_of(value) +
            (next.empty() ? "" : ", because '" + next + "' makes new ones") + "; " +
            (named ? "" : "name it with as: NAME and ") + "take what it makes with from: {" +
            value.slot + ": " + (named ? value.name : "NAME") + "}, or " + fix;
@@ -71,9 +71,9 @@ class Readers {
     const std::string& earlier = needed_earlier(lost)->name;
     const std::string where = what_of(value) + ", which comes after '" + earlier +
                               "'; move it up, before '" + earlier + "', or " + fix;
-    if (by_sinks_.count(lost) == 0) return "nobody reads " + where;
-    return "only sinks read " + where + "; a sink that is to show it says from: {" + value.slot +
-           ": " + value.name + "}";
+    if (by_sinks_.count(lost) == 0) return "no component reads " + where;
+    return "only sinks read " + where + "; a sink that shows it needs from: {" + value.slot + ": " +
+           value.name + "}";
   }
 
   static bool chooses(const StageConfig& sink, const std::string& slot) {
@@ -160,7 +160,7 @@ std::string way_out(const PipelineConfig& config, const std::set<std::size_t>& l
   for (const std::size_t stage : lost) {
     names += (names.empty() ? "" : ",") + config.stages[stage].name;
   }
-  return (lost.size() > 1 ? "leave out all that nobody reads: --set without="
+  return (lost.size() > 1 ? "omit all unused ones: --set without="
                           : "leave it out: --set without=") +
          names;
 }

@@ -43,8 +43,8 @@ struct CameraEvidence {
   /// Adds the evidence of the equations about the strain. They are solved, at that deviation.
   void add_strain(const NormalEquations& equations, const PartVector& deviation);
 
-  /// What is left when the surface may have a strain of that standard deviation. What is said of a
-  /// further strain, one that this evidence shares with others, is left too.
+  /// The remaining evidence if the surface may have a strain of that standard deviation. Evidence
+  /// about a further strain, which this evidence shares with others, remains too.
   CameraEvidence free_strain(double std) const;
 };
 

@@ -35,7 +35,7 @@ class Judge {
     const double aspect = 0.5 * kAspect_share, lens = kLens_px / px_per_k1_;
     const bool proportions = is_significant(kept_, kAspect, aspect);
     const bool focal = is_significant(kept_, kFocal, kFocal_share);
-    // Of two that are found at once, the one that no stretch explains.
+    // If both are significant at once, only the one that no stretch explains counts.
     const bool only_focal = focal && is_significant(stretched_, kFocal, kFocal_share) &&
                             !is_significant(stretched_, kAspect, aspect);
     if (proportions && !only_focal) {
@@ -56,7 +56,7 @@ class Judge {
           ", by " + fixed(std::abs(mean(kLens)) * px_per_k1_, 1) +
               " px at the farthest match (k1 = " + fixed(mean(kLens), 2) + " +- " +
               fixed(2.0 * kept_.stds()(kLens), 2) +
-              " beyond what the camera file says): calibrate its distortion",
+              " in addition to the camera file): calibrate its distortion",
           {{kLens, lens}});
     }
     if (is_significant(kept_, kCentreX, kCentre_share) ||

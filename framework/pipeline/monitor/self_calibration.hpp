@@ -19,10 +19,10 @@ namespace weft {
 ///     sum_matches rho(|projection - pixel| / noise) + sum_edges ((|d| - l0) / (strain l0))^2
 ///       + sum_hinges (bend - bend at rest)^2 / (0.3 rad)^2
 ///
-/// by Gauss-Newton from the shape of a solver, noise and strain being those of the matches and
-/// edges (0.5 px and 0.002 at least), and takes the vertices out of the normal equations (Schur
-/// complement). A flat sheet that is seen frontally says nothing of the focal length, a cloth that
-/// stretches next to nothing, and then the information says so.
+/// by Gauss-Newton from the shape of a solver. Noise and strain are those of the matches and edges
+/// (0.5 px and 0.002 at least). The vertices are eliminated from the normal equations (Schur
+/// complement). A flat surface seen frontally contains no information on the focal length, and a
+/// stretching cloth next to none; the information matrix then shows it.
 class SelfCalibration {
  public:
   /// Error where the template's mesh is no surface.

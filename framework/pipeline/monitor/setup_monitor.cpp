@@ -132,8 +132,8 @@ void SetupMonitor::doubt(const Graph& graph, const Shape& shape, FrameResult& fr
   limit_confidence(graph, confidence, worst.claim, frame);
 }
 
-/// In a film the frame before says which of two prints is followed. Nothing does so in an image by
-/// itself: the other print is as likely the one that is meant.
+/// In a video, the previous frame determines which of two equal textures is tracked. A single image
+/// does not: the other texture is equally likely the intended one.
 void SetupMonitor::doubt_choice(const Graph& graph, const Shape& shape, FrameResult& frame) {
   if (coherent_rejects_ == 0) return;
   if (frame.state == ShapeState::estimated) frame.state = ShapeState::weak;
@@ -273,11 +273,12 @@ void SetupMonitor::judge_rejects(std::vector<Finding>& findings) const {
   if (with_rejects_ < kFewestFrames || 2 * with_rejects_ < rejects_looks_) return;
   const std::string mean = std::to_string(rejects_ / with_rejects_);
   if (2 * rejects_elsewhere_ > rejects_) {
-    findings.push_back({"elsewhere",
-                        "parts of the print seem to lie elsewhere than in the texture: " + mean +
-                            " rejected matches in the mean frame agree with each other, where "
-                            "none was kept; is the texture that of this object?",
-                        with_rejects_});
+    findings.push_back(
+        {"elsewhere",
+         "parts of the printed image seem to lie elsewhere than in the texture: " + mean +
+             " rejected matches in the mean frame agree with each other, where "
+             "none was kept; is the texture that of this object?",
+         with_rejects_});
   } else {
     findings.push_back({"second print",
                         "a second print like the texture seems to be in view: " + mean +

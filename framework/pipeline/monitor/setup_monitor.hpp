@@ -24,19 +24,19 @@ class SetupMonitor {
   static Result<SetupMonitor> create(const host::Record& templ, host::RecordPtr camera,
                                      bool is_sequence = true);
 
-  /// Looks closely at some frames: the first eight, then whenever a quarter more have gone by. Its
-  /// observations are added to the frame's `setup`, and its findings so far to its `warnings`. From
-  /// the frame on in which the camera turns out to be wrong, the confidence of measured shapes is
+  /// Checks some frames closely: the first eight, then each time the number of frames has grown by
+  /// a quarter. Its observations are added to the frame's `setup`, and its findings so far to its
+  /// `warnings`. Once the camera turns out to be wrong, the confidence of measured shapes is
   /// lowered, and `estimated` becomes `weak` if it falls below 0.5; `reason` has the cause.
   void add(const Graph& graph, FrameResult& frame);
 
   /// All that is found out by now, as warnings of "setup".
   std::vector<RunWarning> warnings() const;
 
-  /// What all frames together say of the camera, named as in the `setup` of a frame, with `frames`,
-  /// how many unlike ones were asked. `centre_alone_*` is the principal point by itself, focal
-  /// lengths and lens being as they are given; see run_figures() for `focal_by_side`. Nothing where
-  /// fewer than three say something.
+  /// The evidence of all frames about the camera, named as in the `setup` of a frame, with
+  /// `frames`, the number of unlike frames used. `centre_alone_*` is the principal point if focal
+  /// lengths and lens are fixed; see run_figures() for `focal_by_side`. Empty if fewer than three
+  /// frames contribute.
   std::vector<std::pair<std::string, double>> camera() const;
 
  private:

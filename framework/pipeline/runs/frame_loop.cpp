@@ -115,7 +115,7 @@ std::vector<const host::Instance*> FrameLoop::steering_sinks() const {
 
 void FrameLoop::set_settings(std::string json) {
   const auto record = host::Record::copy_of(RunSettings{std::move(json)});
-  static_cast<void>(context_.admit(*record, "run_settings"));  // a text is legal whatever it says
+  static_cast<void>(context_.admit(*record, "run_settings"));  // a text is legal with any content
   now_set_ = record;
 }
 

@@ -14,8 +14,8 @@ namespace weft {
 /// How many frames of a run are worked on at the same moment.
 int workers_of(const PipelineConfig& config);
 
-/// An execution context for the components of a pipeline: in shared memory where a stage has a
-/// process of its own, with the threads that the workers leave to each call.
+/// An execution context for the components of a pipeline. Uses shared memory if a stage runs in a
+/// separate process, with the threads that the workers leave to each call.
 Result<std::unique_ptr<host::ExecutionContext>> context_of(const PipelineConfig& config,
                                                            host::ExecutionContext::Log log);
 

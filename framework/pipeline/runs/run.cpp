@@ -162,7 +162,7 @@ class Run {
     if (steering_) summary_.stopped = summary_.stopped || steering_->has_ended();
     steering_.reset();
     context_->times().count(context_->times().counted());
-    if (writer_) writer_->close();  // a failure of its own is that of an earlier frame
+    if (writer_) writer_->close();  // its own failure follows from that of an earlier frame
     if (failure) std::rethrow_exception(failure);
   }
 
@@ -267,7 +267,8 @@ class Run {
   std::unique_ptr<FrameLoop> loop_;      ///< from open() on, as the supply
   std::unique_ptr<FrameSupply> supply_;
   std::vector<std::optional<FrameOnItsWay>> on_their_way_;  ///< by frame, modulo their number
-  RunSummary summary_;                   ///< what is counted of frames is of who keeps them
+  RunSummary summary_;                   ///< its counts of frames belong to the caller that keeps
+                                         ///< the frames
   std::unique_ptr<FrameWriter> writer_;  ///< where the run has a folder
   std::unique_ptr<Steering> steering_;   ///< where sinks may change the run
 };

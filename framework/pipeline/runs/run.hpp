@@ -29,7 +29,7 @@ class RunObserver {
   /// The component that runs from now on in this thread: that of a stage. `frame` is
   /// host::kOfflineFrame before and after the frames.
   virtual void calling(const std::string& /*stage*/, const std::string& /*component*/,
-                       const std::string& /*what*/, std::uint64_t /*frame*/) {}
+                       const std::string& /*action*/, std::uint64_t /*frame*/) {}
 };
 
 struct RunSummary {
@@ -44,11 +44,11 @@ struct RunSummary {
   std::vector<std::pair<std::string, double>> camera;
 };
 
-/// Loads and wires a pipeline, refuses outputs that would go over what is there or what it reads,
-/// and asks its components about their files and parameters; use it only when the report is ok.
+/// Loads and wires a pipeline. Refuses outputs that would overwrite existing files or inputs. Runs
+/// the components' checks of their files and parameters. Use the pipeline only if the report is ok.
 /// `output_folder` is the run folder, new or empty; without a name, no component may write.
-/// `settings` and `patches` as in load_pipeline. With `checks`, what components of earlier
-/// pipelines were asked is not asked again.
+/// `settings` and `patches` as in load_pipeline. `checks` skips the checks that it already ran for
+/// earlier pipelines.
 std::pair<CheckedPipeline, ConfigReport> check_pipeline(
     const std::string& file, const host::Registry& registry, const std::string& output_folder,
     const std::vector<std::string>& settings = {}, const std::vector<Patch>& patches = {},
@@ -61,8 +61,8 @@ std::pair<CheckedPipeline, ConfigReport> check_pipeline(const std::string& file,
                                                         const std::string& output_folder,
                                                         host::ComponentChecks* checks = nullptr);
 
-/// The same of a run that goes on in a folder, with `settings` laid over what it runs. The
-/// Error has the first mistake. Outputs are not checked: they are those of the run.
+/// The same for a run that continues in its folder, with `settings` that override those of the run.
+/// The Error is the first one found. Outputs are not checked: they are those of the run.
 Result<CheckedPipeline> check_change(const PipelineConfig& running, const std::string& folder,
                                      const host::Registry& registry,
                                      const std::vector<std::string>& settings);

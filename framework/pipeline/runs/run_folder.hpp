@@ -9,23 +9,23 @@
 
 namespace weft {
 
-/// What a run keeps of a frame, by slot:
-/// `shape`, `ground_truth`; `STAGE.correspondences`, whole, of each stage (or `sources`) that made
-/// matches; `STAGE.FILTER.inlier_mask` of each filter that they went through
-/// (`STAGE.FILTER.NEXT.inlier_mask` of the next): what it and those before it kept, and its scores;
-/// nothing kept and scores of 0 where it gave no result. Of the truth what is as large as the image
-/// is left out; `STAGE.match_depths` has the true depth at the matches of a stage.
-/// `STAGE.warp_samples` is where a warp takes the template's vertices. What is absent in a frame
-/// has no slot.
+/// The records that a run keeps of a frame, by slot: `shape`, `ground_truth`;
+/// `STAGE.correspondences`, whole, of each stage (or `sources`) that made matches;
+/// `STAGE.FILTER.inlier_mask` of each filter that processed them (`STAGE.FILTER.NEXT.inlier_mask`
+/// of the next). A mask has the matches that the filter and those before it kept, and its scores;
+/// if it gave no result, all are rejected with scores of 0. Arrays of the truth with one value per
+/// pixel are omitted; `STAGE.match_depths` has the true depth at the matches of a stage.
+/// `STAGE.warp_samples` is where a warp maps the template's vertices. A record that is absent in a
+/// frame has no slot.
 host::NamedRecords frame_records(const Graph& graph, const FrameResult& frame,
                                  const host::RecordPtr& ground_truth);
 
 /// The folder of one run: pipeline.yaml (effective configuration), manifest.json, template.npz
-/// (template, camera), frames.jsonl (a line a frame), frames/NNNNNN.npz, what the sinks write, and
-/// at the end end.json. Whatever is finished stays readable when the run is killed. After a power
-/// cut a folder with end.json is complete; of a run that had not ended, frames that the system had
-/// not written to the disk are missing.
-/// frames/NNNNNN.npz holds the frame_records; a frame without any has no such file.
+/// (template, camera), frames.jsonl (a line a frame), frames/NNNNNN.npz, the files of the sinks,
+/// and at the end end.json. Finished files stay readable if the run is killed. After a power cut, a
+/// folder with end.json is complete. If the run had not ended, frames that the system had not
+/// written to the disk are missing. frames/NNNNNN.npz holds the frame_records; a frame without any
+/// has no such file.
 class RunFolder {
  public:
   /// Creates the folder; refuses one that is not empty.

@@ -11,8 +11,8 @@
 
 namespace weft {
 
-/// What a run leaves in its folder while it runs: the lines and records of its frames, the trace of
-/// its calls, and the calls of dumped stages.
+/// Writes the files of a run while it runs: the lines and records of its frames, the trace of its
+/// calls, and the calls of dumped stages.
 class RunRecorder {
  public:
   /// Creates the folder and writes what is known before the first frame. A failure leaves no folder

@@ -11,12 +11,12 @@
 
 namespace weft {
 
-/// The calls of a run on a time line, as Perfetto and chrome://tracing open it: Trace Event Format,
-/// as an array of complete events (https://perfetto.dev/docs/getting-started/other-formats). A call
-/// lies inside the call that made it, and all calls of a frame inside a slice called "frame"; each
-/// process has its own track. Times are those of the host's steady clock, 0 where the first call
-/// began. What is written is flushed after each frame; readers accept the array of a killed run,
-/// which lacks its end.
+/// The calls of a run on a time line for Perfetto and chrome://tracing: Trace Event Format, as an
+/// array of complete events (https://perfetto.dev/docs/getting-started/other-formats). A call is
+/// nested in the call that made it, and all calls of a frame in a slice called "frame". Each
+/// process has its own track. Times are those of the host's steady clock, from the first call on.
+/// Events are flushed after each frame; readers accept the array of a killed run, which lacks its
+/// end.
 class Trace {
  public:
   /// Fails with io when the file cannot be created.

@@ -65,9 +65,9 @@ void add_parameters(const host::ComponentSpec& spec, const std::string& path, or
 }  // namespace
 
 std::string why_fixed(const StageConfig& stage, const PipelineConfig& config) {
-  if (stage.isolation) return "it runs in a process of its own (--isolate none runs it here)";
+  if (stage.isolation) return "it runs in a separate process (--isolate none runs it here)";
   const bool is_shared = stage.role == "warps" && has_isolated(config);
-  return is_shared ? "a stage in a process of its own may evaluate it" : "";
+  return is_shared ? "a stage in a separate process may evaluate it" : "";
 }
 
 std::string settings_json(const PipelineConfig& config) {

@@ -7,7 +7,7 @@
 namespace weft {
 namespace {
 
-/// Whoever made the change request may be gone: that is no error of the run.
+/// The client that requested the change may have disconnected, which is no error of the run.
 void tell(const host::Instance& sink, const ChangeAnswer& answer) {
   static_cast<void>(host::ExecutionContext::answer(sink, answer));
 }
@@ -33,7 +33,8 @@ Steering::~Steering() {
 }
 
 bool Steering::wait_for_turn(const std::function<bool()>& cancelled) {
-  constexpr std::chrono::milliseconds kAskEvery{10};  // nobody wakes a run for a change request
+  constexpr std::chrono::milliseconds kAskEvery{10};  // change requests do not wake a run, so that
+                                                      // it polls
   for (take_change_requests(); pace_ == Pace::pausing && !cancelled(); take_change_requests()) {
     std::this_thread::sleep_for(kAskEvery);
   }
@@ -64,8 +65,8 @@ void Steering::hear(const host::Instance& sink, const ChangeRequest& request) {
     return tell(sink, {request.number, next_frame_, ""});
   }
   tell(sink, {request.number, 0,
-              "no run knows " + quote(request.text) +
-                  "; wish for: set PATH=VALUE, pause, step, resume or stop"});
+              "no run accepts " + quote(request.text) +
+                  "; send set PATH=VALUE, pause, step, resume or stop"});
 }
 
 void Steering::ask(Asked asked) {

@@ -21,8 +21,8 @@ namespace weft {
 /// thread that begins frames.
 class Steering {
  public:
-  /// `sinks` are those at which somebody may steer. The executor and its execution context outlive
-  /// this.
+  /// `sinks` are those at which users may steer. The executor and its execution context outlive
+  /// this object.
   Steering(ChangeMaker maker, Executor& executor, std::vector<const host::Instance*> sinks,
            ChangesByFrame repeated);
 
@@ -31,8 +31,8 @@ class Steering {
   Steering(const Steering&) = delete;
   Steering& operator=(const Steering&) = delete;
 
-  /// Before a frame is read: takes what is wished for, and waits while frames pause. False where
-  /// the run shall end, or is `cancelled`, which is asked again and again.
+  /// Before a frame is read: applies change requests, and waits while frames pause. Returns false
+  /// if the run is to end or is `cancelled`, which is polled.
   bool wait_for_turn(const std::function<bool()>& cancelled);
 
   /// Between the reading of a frame and its begin: from this frame on, what is ready holds. Gives
@@ -40,10 +40,11 @@ class Steering {
   /// cannot be repeated.
   Result<std::optional<std::string>> change(std::uint64_t frame);
 
-  /// Whether somebody wished for the end.
+  /// True if a client requested the end of the run.
   bool has_ended() const { return pace_ == Pace::ended; }
 
-  /// Notes what has changed in the frame that has begun, and answers those who wished for it.
+  /// Records the changes that the current frame applied, and answers the clients that requested
+  /// them.
   void note(FrameResult& frame);
 
  private:
@@ -70,7 +71,7 @@ class Steering {
   ChangesByFrame repeated_;
   Pace pace_ = Pace::going;
   std::uint64_t next_frame_ = 0;  ///< the least number that it can have
-  std::vector<Asked> applied_;    ///< what the frame that begins changes
+  std::vector<Asked> applied_;    ///< changes that the current frame applies
 
   std::mutex mutex_;
   std::condition_variable changed_;

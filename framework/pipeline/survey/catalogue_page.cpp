@@ -34,12 +34,12 @@ void write_slots(std::ostream& page, const std::vector<RoleSlot>& slots) {
 
 std::string catalogue_page() {
   std::ostringstream page;
-  page
-      << "# Records and roles\n\n"
-      << "Printed by `weft records`; a test compares this page with the program.\n\n"
-      << "Letters in shapes are lengths that agree within a record; `?` is an optional axis of "
-         "three\ncolours. Numbers are finite unless the meaning says otherwise. Pixel centres are "
-         "at integer\ncoordinates; the camera frame is x right, y down, z forward.\n\n## Records\n";
+  page << "# Records and roles\n\n"
+       << "Printed by `weft records`; a test compares this page with the program.\n\n"
+       << "Letters in shapes are lengths that agree within a record; `?` is an optional axis of "
+          "three\ncolours. Numbers are finite unless the meaning states otherwise. Pixel centres "
+          "are at integer\ncoordinates; the camera frame is x right, y down, z forward.\n\n## "
+          "Records\n";
   for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
     page << "\n### " << RecordType::kType
          << "\n\n| array | type | shape | unit, frame | meaning |\n|---|---|---|---|---|\n";
@@ -62,7 +62,7 @@ std::string catalogue_page() {
       page << " |\n";
     }
   }
-  page << "\nComponents of the role `stages` say themselves what they take and make: any of these "
+  page << "\nComponents of the role `stages` declare what they take and make: any of these "
           "inputs,\nwhat passes make, and record types of their vendor, `vendor.name/version`.\n";
   return page.str();
 }

@@ -60,7 +60,7 @@ Result<std::string> camera_beside(const fs::path& folder, const std::string& giv
   if (!found.empty()) return found;
   return missing(folder,
                  "has no camera.yaml, camera.yml, camera.json or K.json; give the camera file with "
-                 "--camera, or --camera auto where nobody calibrated it");
+                 "--camera, or --camera auto for a camera that is not calibrated");
 }
 
 Result<DataLayout> layout_of_yaml(const fs::path& file) {

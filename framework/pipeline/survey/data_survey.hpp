@@ -35,7 +35,7 @@ struct DataSurvey {
   std::string kind;    ///< kind of the layout
   std::string source;  ///< component that reads them
   Camera camera;
-  std::optional<CameraAssumption> assumed;   ///< of a camera without a calibration
+  std::optional<CameraAssumption> assumed;   ///< for a camera without a calibration
   std::int64_t frames = 0;                   ///< [] number of frames
   std::int64_t grey = 0, colour = 0;         ///< [] frames with such an image
   std::int64_t matches = 0;                  ///< [] of the source itself, over all frames
@@ -44,7 +44,7 @@ struct DataSurvey {
   std::map<std::string, TruthSurvey> truth;  ///< by kind
   std::int64_t frames_with_truth = 0;        ///< [] frames with ground truth
   std::vector<std::string> failures;         ///< a sentence a frame that cannot be read
-  std::vector<std::string> findings;         ///< what a user of the data should know
+  std::vector<std::string> findings;         ///< warnings and hints for users of the data
 };
 
 /// Reads all frames. Fails where the source cannot be made or opened; a frame that cannot be read

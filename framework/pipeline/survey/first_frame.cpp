@@ -58,7 +58,7 @@ Result<FirstFrame> look_at_first_frame(const PipelineConfig& config, const Graph
   first.camera = input->camera();
   first.image = frame->input.find("image");
   auto given = matches_in(config, graph, context, first.templ, first.camera, frame->input);
-  // A filter that trusts no set tells as much as one that keeps few.
+  // A filter that accepts no set counts like one that keeps few matches.
   if (!given && given.error().code != Errc::no_result) return given.error();
   if (given) first.matches = *std::move(given);
   const auto templ = host::view_as<Template>(*first.templ);

@@ -14,8 +14,8 @@ struct FirstFrame {
   std::vector<host::RecordPtr> others;  ///< matches of the requested frames behind it
 };
 
-/// Runs the stages up to the matches on frame 0, with the texture as it is and mirrored, and on
-/// the other ones of the first `frames` frames, as far as they can be read and have matches.
+/// Runs the stages up to the matches on frame 0, with the original and the mirrored texture. Also
+/// runs them on the rest of the first `frames` frames that are readable and have matches.
 Result<FirstFrame> look_at_first_frame(const PipelineConfig& config, const Graph& graph,
                                        host::ExecutionContext& context, std::int64_t frames = 1);
 

@@ -29,8 +29,7 @@ TextureResiduals texture_residuals(const Template& templ, const Camera& camera,
 TextureResiduals joined(const TextureResiduals& a, const TextureResiduals& b);
 
 /// The smooth part of the residuals: a bicubic B-spline over the object's box in the texture,
-/// fitted robustly with as much bending energy as predicts residuals best that were left out (two
-/// folds).
+/// fitted robustly. The weight of the bending energy is chosen by two-fold cross-validation.
 struct ResidualField {
   SplineDomain domain;
   Points2 control_px;                                    ///< [nu*nv,2]

@@ -164,7 +164,7 @@ std::vector<std::string> faults_of(const FirstLook& look) {
   std::vector<std::string> faults;
   const std::string kept = std::to_string(look.kept);
   if (look.kept_mirrored >= kFewest && look.kept_mirrored > 3 * look.kept) {
-    faults.push_back("the picture of the texture is mirrored: " + kept +
+    faults.push_back("the image of the texture is mirrored: " + kept +
                      " of its matches are kept, and " + std::to_string(look.kept_mirrored) +
                      " once it is mirrored; mirror its file left to right" +
                      (mirrors_mesh_too(look) ? ", and set flip: u" : ""));
@@ -178,8 +178,8 @@ std::vector<std::string> faults_of(const FirstLook& look) {
   }
   if (look.fits.empty() || look.fits.front().flip != Flip::none) {
     faults.push_back(
-        "the matches lie beside the mesh in the texture: its texture coordinates are "
-        "for another picture");
+        "the matches lie beside the mesh in the texture: its texture coordinates are for another "
+        "image");
     return faults;
   }
   const FlippedFit& given = look.fits.front();
@@ -188,7 +188,7 @@ std::vector<std::string> faults_of(const FirstLook& look) {
       [](const FlippedFit& a, const FlippedFit& b) { return a.pose.median_px < b.pose.median_px; });
   const double given_px = given.pose.median_px, best_px = best->pose.median_px;
   if (given_px > kNoise_px && given_px > kClearly * best_px && 2 * best->matches >= given.matches) {
-    faults.push_back("the mesh is mirrored against its picture: at rest it is " + tenths(given_px) +
+    faults.push_back("the mesh is mirrored against its image: at rest it is " + tenths(given_px) +
                      " px off its matches (median), and " + tenths(best_px) +
                      " px with flip: " + flips_like(*best, look.fits));
   } else if (given_px > kNoise_px && given_px > kAtRest * look.size_px) {

@@ -82,8 +82,8 @@ std::vector<std::string> warnings_of(const TemplateSurvey& numbers) {
     warnings.push_back(
         "texels are " + percent(ratio) + " % " +
         (numbers.texel_mm.x() > numbers.texel_mm.y() ? "wider than high" : "higher than wide") +
-        ": are the width and the height of the object right, and is the picture that "
-        "of the whole object?");
+        ": check the width and the height of the object, and that the image shows the whole "
+        "object");
   }
   return warnings;
 }

@@ -32,7 +32,7 @@ constexpr double kMostGapEdges = 2.0, kMostGapOfSize = 0.1;
 
 using Floats = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// What a stage makes of these inputs; null where the data do not determine an answer.
+/// The product of a stage for these inputs; null if the data do not determine an answer.
 Result<host::RecordPtr> made_by(host::ExecutionContext& context, host::Instance& instance,
                                 std::span<const weft_record> inputs, const char* slot) {
   const host::Outcome outcome = context.call(instance, kRunStage, inputs, host::kOfflineFrame);
@@ -244,11 +244,10 @@ std::vector<std::string> warnings_of(const TextureSurvey& texture, const Templat
   const double most_mm =
       std::max(kMostGapEdges * numbers.mean_edge_mm, kMostGapOfSize * numbers.size_mm.maxCoeff());
   if (texture.gap_mm > most_mm) {
-    warnings.push_back("no match is to be expected within " + rounded(0.5 * texture.gap_mm) +
-                       " mm of (" + rounded(texture.gap_px.x()) + ", " +
-                       rounded(texture.gap_px.y()) +
-                       ") px of the texture, an edge of the mesh or more: nothing tells how the "
-                       "object bends there");
+    warnings.push_back(
+        "no match is to be expected within " + rounded(0.5 * texture.gap_mm) + " mm of (" +
+        rounded(texture.gap_px.x()) + ", " + rounded(texture.gap_px.y()) +
+        ") px of the texture, an edge of the mesh or more: how the object bends there is unknown");
   }
   return warnings;
 }

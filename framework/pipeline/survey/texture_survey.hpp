@@ -24,16 +24,16 @@ struct TextureSurvey {
 };
 
 /// Detects the texture's keypoints, matches them with a view of it (see view_of_texture()), and
-/// counts the matches that are right within 2 px. `numbers` are the template's. Keypoints are twins
-/// where the matcher's ratio test could not tell them apart: where their descriptors are nearer to
-/// one another than those of right matches are (median), over its ratio, 0.8.
+/// counts the inliers within 2 px. `numbers` are the template's. Keypoints are twins if the
+/// matcher's ratio test cannot distinguish them: their descriptors are closer than the median
+/// inlier distance divided by its ratio, 0.8.
 Result<TextureSurvey> survey_texture(const host::Record& templ, const TemplateSurvey& numbers,
                                      const host::ComponentSpec& detector,
                                      const host::ComponentSpec& matcher);
 
-/// Each keypoint with the one that looks most like it (RootSIFT, Arandjelovic and Zisserman 2012),
-/// further away than four times the larger of their scales; `kept` where the distance of their
-/// descriptors is below `twin_distance`. Nothing of binary descriptors.
+/// Each keypoint with its most similar one (RootSIFT, Arandjelovic and Zisserman 2012) beyond four
+/// times the larger of their scales. `kept` is set if their descriptor distance is below
+/// `twin_distance`. Empty for binary descriptors.
 Correspondences look_alikes(const Keypoints& points, double twin_distance);
 
 /// Sentences about places where the texture is poor or repeats itself; empty if there are none.

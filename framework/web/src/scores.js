@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a filter thinks of mismatches and of correct matches: two histograms over its score, for one
+// Scores of a filter for mismatches and inliers: two histograms over its score, for one
 // value of each axis.
 import { element, floats } from "./data.js";
 import { colours_of, draw, width_of } from "./chart.js";
@@ -8,7 +8,7 @@ import { style_of } from "./selection.js";
 const kHeight = 240;
 
 const kSeries = [
-  { key: "correct", name: "correct matches", ...style_of(0) },
+  { key: "correct", name: "inliers", ...style_of(0) },
   { key: "mismatches", name: "mismatches", ...style_of(1) },
 ];
 

@@ -99,7 +99,7 @@ async function draw_roc(figure, sweep, series) {
       { field: "x", title: "FPR, %", format: ".1f" },
       { field: "y", title: "TPR, %", format: ".1f" },
     ],
-    x: { title: "Correct matches rejected (FPR), %", ...percent },
+    x: { title: "Inliers rejected (FPR), %", ...percent },
     y: { title: "Mismatches rejected (TPR), %", ...percent },
   });
 }

@@ -14,9 +14,10 @@ namespace {
 // Relative standard deviations of the focal length.
 constexpr double kOfExif = 0.05;     // f35 is a whole number, and focusing changes the view
 constexpr double kOfTrimmed = 0.10;  // 16:9 and 1:1 are made of 4:3 by phones, with the same f35
-constexpr double kOfUnknown = 0.20;  // of a crop: phones write images of 8 to 50 megapixels
+constexpr double kOfUnknown = 0.20;  // relative uncertainty of a crop: phones write images of 8 to
+                                     // 50 megapixels
 constexpr double kOfNothing = 0.25;  // phones 0.75, webcams 0.9, cameras up to 1.4 longer sides
-constexpr double kOfCentre = 0.01;   // of the principal point, in longer sides
+constexpr double kOfCentre = 0.01;   // uncertainty of the principal point, in longer sides
 constexpr double kMostFocalRatio = 1.1;  // ratio of focal lengths that are still one camera
 constexpr double kFilm_mm = 43.27;       // diagonal of 36 x 24 mm
 const cv::Size kUsual_px(4032, 3024);    // the usual image of a phone, 12 megapixels
@@ -46,35 +47,35 @@ cv::Size usual_whole(const cv::Size& part) {
   return turned_as({side, side * 3 / 4}, part);
 }
 
-/// The image of which others are parts.
+/// An uncropped image that may contain other images: its size and the source of that size.
 struct Whole {
   cv::Size size_px;
-  double relative_sd;  ///< of a focal length by its diagonal
-  const char* from;    ///< who says its size
+  double relative_sd;  ///< uncertainty of a focal length from its diagonal
+  const char* from;    ///< source of its size
 };
 
 bool is_sensor(double ratio) { return is_near(ratio, 4.0 / 3.0) || is_near(ratio, 1.5); }
 bool is_trimmed(double ratio) { return is_near(ratio, 16.0 / 9.0) || is_near(ratio, 1.0); }
 
-/// What EXIF says of an image that is cropped and has still the size that it had.
+/// The size in the EXIF data of an image that is cropped, where these have kept the original size.
 std::optional<Whole> whole_in_exif(const PhotoFacts& photo) {
   const double ratio = ratio_of(photo.exif_px);
   const bool fits =
       photo.exif_px.width >= photo.size_px.width && photo.exif_px.height >= photo.size_px.height;
   const bool is_whole = is_sensor(ratio) || is_trimmed(ratio);
   if (!fits || !is_whole || is_near(ratio_of(photo.size_px), ratio)) return std::nullopt;
-  return Whole{photo.exif_px, kOfExif, "as EXIF says"};
+  return Whole{photo.exif_px, kOfExif, "by EXIF"};
 }
 
 /// An image with the sides of a sensor, if it is no part.
 std::optional<Whole> whole_by_sides(const PhotoFacts& photo) {
   const double ratio = ratio_of(photo.size_px);
-  if (is_sensor(ratio)) return Whole{photo.size_px, kOfExif, "as another image says"};
-  if (is_trimmed(ratio)) return Whole{photo.size_px, kOfTrimmed, "as another image says"};
+  if (is_sensor(ratio)) return Whole{photo.size_px, kOfExif, "by another image"};
+  if (is_trimmed(ratio)) return Whole{photo.size_px, kOfTrimmed, "by another image"};
   return std::nullopt;
 }
 
-/// Whether a part, turned or not, is not larger than this.
+/// True if a part, turned or not, is not larger than this.
 bool contains(const cv::Size& whole, const cv::Size& part) {
   return std::max(part.width, part.height) <= std::max(whole.width, whole.height) &&
          std::min(part.width, part.height) <= std::min(whole.width, whole.height);
@@ -96,7 +97,8 @@ std::optional<Whole> largest_whole(const std::vector<PhotoFacts>& photos) {
   return largest && std::all_of(photos.begin(), photos.end(), fits) ? largest : std::nullopt;
 }
 
-/// What an image is a part of, or is itself; nothing where that is not known.
+/// The uncropped image that contains an image, or is the image itself; nothing where that is
+/// unknown.
 std::optional<Whole> whole_of(const PhotoFacts& photo, const std::optional<Whole>& largest) {
   if (auto own = whole_in_exif(photo)) return own;
   const auto own = whole_by_sides(photo);
@@ -119,7 +121,7 @@ std::string name_of(const PhotoFacts& photo) {
 Focal focal_of(const PhotoFacts& photo, const std::optional<Whole>& largest) {
   const Whole whole = whole_of(photo, largest)
                           .value_or(Whole{usual_whole(photo.size_px), kOfUnknown,
-                                          "as is assumed, since EXIF does not say it"});
+                                          "by assumption, since EXIF lacks the size"});
   std::string from =
       fmt::format("{} mm in terms of 35 mm film, EXIF of {}", photo.focal_35mm_mm, name_of(photo));
   if (whole.size_px != photo.size_px) {
@@ -148,11 +150,12 @@ Result<Focal> common_focal(const std::vector<PhotoFacts>& photos,
     }
     const double ratio = std::max(focal.f_px / first->f_px, first->f_px / focal.f_px);
     if (ratio > kMostFocalRatio) {
-      return Error{Errc::invalid_data,
-                   fmt::format("{}: its EXIF says a focal length of {:.0f} px, but that of {} says "
-                               "{:.0f} px: all images of a source have one camera; read those of "
-                               "each camera, zoom and scale by themselves, or give a camera file",
-                               photo.path, focal.f_px, name_of(*of_first), first->f_px)};
+      return Error{
+          Errc::invalid_data,
+          fmt::format("{}: its EXIF states a focal length of {:.0f} px, but that of {} states "
+                      "{:.0f} px. All images of a source have one camera: read those of each "
+                      "camera, zoom and scale separately, or give a camera file",
+                      photo.path, focal.f_px, name_of(*of_first), first->f_px)};
     }
     first->relative_sd = std::max(first->relative_sd, focal.relative_sd);
   }
@@ -185,7 +188,7 @@ void declare(Params& p, KnownFocal& focal) {
 Result<void> check(const KnownFocal& focal, bool is_assumed) {
   if (focal.by_side > 0.0 && !is_assumed) {
     return Error{
-        Errc::invalid_value, "goes with camera: auto; a camera file says its own focal length", {}};
+        Errc::invalid_value, "needs camera: auto; a camera file already has a focal length", {}};
   }
   if (focal.by_side_sd > 0.0 && !(focal.by_side > 0.0)) {
     return Error{Errc::invalid_value, "must be given where focal_by_side_sd is", {}};
@@ -234,8 +237,8 @@ std::string assumption_text(const Camera& camera) {
   if (!assumed) return {};
   return fmt::format(
       "not calibrated: the focal length is assumed to be {:.0f} px with a standard deviation of "
-      "{:.0f} px ({}), and the principal point to be the middle, ({:.1f}, {:.1f}) px, with "
-      "({:.0f}, {:.0f}) px; depths are as uncertain as the focal length: make a camera file with "
+      "{:.0f} px ({}). The principal point is assumed to be the middle, ({:.1f}, {:.1f}) px, with "
+      "({:.0f}, {:.0f}) px. Depths are as uncertain as the focal length: make a camera file with "
       "`weft calibrate`",
       camera.fx, assumed->focal_sd_px, assumed->from, camera.cx, camera.cy, assumed->cx_sd_px,
       assumed->cy_sd_px);

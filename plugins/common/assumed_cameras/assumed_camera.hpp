@@ -11,7 +11,7 @@
 
 namespace weft::cameras {
 
-/// What is known of the focal length without a calibration, such as the estimate of an earlier run.
+/// The focal length that is known without a calibration, such as the estimate of an earlier run.
 struct KnownFocal {
   double by_side = 0.0;     ///< [] focal length divided by the longer side; 0: not known
   double by_side_sd = 0.0;  ///< [] its standard deviation
@@ -24,7 +24,7 @@ void declare(Params& p, KnownFocal& focal);
 /// missing beside its standard deviation.
 Result<void> check(const KnownFocal& focal, bool is_assumed);
 
-/// What an image says of a camera without a calibration.
+/// The facts that an image file has about a camera without a calibration.
 struct PhotoFacts {
   std::string path;
   cv::Size size_px;       ///< upright
@@ -39,14 +39,14 @@ PhotoFacts facts_of(const std::string& path, const ImageHeader& header);
 ///     f_px = f35 / 43.27 mm * diagonal of the whole image
 ///
 /// An image whose sides have another ratio than 4:3, 3:2, 16:9 or 1:1 was cropped. The size of the
-/// whole image is then what EXIF or another of the images says, or is assumed to be 4032 x 3024 px.
+/// whole image is then read from EXIF or from the other images, or is assumed to be 4032 x 3024 px.
 /// Without f35 the focal length is assumed to be the longer side. A `known` focal length replaces
-/// both; the longer side is then that of the canvas. How uncertain these are goes with the camera,
-/// see CameraAssumption. Fails where the focal lengths differ by more than a tenth, and without
-/// images.
+/// both; the longer side is then that of the canvas. CameraAssumption of the camera has the
+/// uncertainty of these values. Fails where the focal lengths differ by more than a tenth, and
+/// without images.
 Result<Camera> assume_camera(const std::vector<PhotoFacts>& photos, const KnownFocal& known = {});
 
-/// What was assumed, in one sentence; empty for a camera that was calibrated.
+/// The assumption in one sentence; empty for a camera that was calibrated.
 std::string assumption_text(const Camera& camera);
 
 }  // namespace weft::cameras

@@ -14,8 +14,8 @@
 
 namespace weft::cameras {
 
-/// A camera as its file describes it, and the way from its images to those of the ideal pinhole
-/// with the same fx, fy, cx, cy and size, which is the camera that everybody sees.
+/// A camera as its file describes it, and the mapping from its images to those of an ideal pinhole.
+/// The pinhole has the same fx, fy, cx, cy and size. All other components see this pinhole.
 class CalibratedCamera {
  public:
   /// Reads a camera file; see read_camera_file().
@@ -27,8 +27,7 @@ class CalibratedCamera {
   /// A camera without a calibration, for upright images; see common/assumed_cameras.
   static CalibratedCamera assumed(const Camera& camera);
 
-  /// The same for images that are stored so, once they are upright: see upright_camera(), of which
-  /// it has the errors.
+  /// The same for stored images that are first made upright. Fails as upright_camera() does.
   Result<CalibratedCamera> of_images(const StoredImages& stored, const std::string& name) const;
 
   /// The same with images that are scaled down until no side is longer than this; 0 and images that
@@ -36,13 +35,13 @@ class CalibratedCamera {
   /// principal point follow each side exactly.
   CalibratedCamera at_most(int longest_px) const;
 
-  /// Of the images that it gives: upright, scaled and without distortion.
+  /// The camera of the images that it returns: upright, scaled and without distortion.
   const Camera& pinhole() const { return pinhole_.camera; }
-  /// Of upright images as they are given to it.
+  /// The size of upright images as they are passed in.
   cv::Size size_px() const;
   bool scales() const;
   const StoredImages& stored() const { return stored_; }
-  /// Whether upright images have another frame than the file describes.
+  /// True if upright images have another frame than the file describes.
   bool is_rotated() const { return is_rotated_; }
   /// Logs how `images` are made upright, and what that means for the camera; nothing where they are
   /// stored so.
@@ -62,9 +61,9 @@ class CalibratedCamera {
   Result<Array<float>> undistorted_depth(const cv::Mat& stored, const std::string& name,
                                          double unit_m) const;
 
-  /// A mask of the camera (one channel) as 0 and 1 [H,W], scaled and without its distortion: 1
-  /// where the nearest stored pixel is not 0, 0 where the camera did not see. Fails as check_size()
-  /// does.
+  /// A mask of the camera (one channel) as 0 and 1 [H,W], scaled and without its distortion. It is
+  /// 1 where the nearest stored pixel is not 0, and 0 outside the camera's field of view. Fails as
+  /// check_size() does.
   Result<Array<std::uint8_t>> undistorted_mask(const cv::Mat& stored,
                                                const std::string& name) const;
 
@@ -73,7 +72,7 @@ class CalibratedCamera {
   cv::Mat nearest(const cv::Mat& stored) const;
 
   std::string path_;
-  CameraFile file_;     ///< of upright images as they are given
+  CameraFile file_;     ///< for upright images as they are passed in
   CameraFile pinhole_;  ///< the same of scaled ones
   StoredImages stored_;
   bool is_rotated_ = false;

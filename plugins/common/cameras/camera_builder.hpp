@@ -20,7 +20,7 @@ double focal_length_px(const Word& word, const std::string& name);
 class CameraBuilder {
  public:
   Camera camera;
-  std::map<std::string, YAML::Mark> places;  ///< of fx, fy, cx, cy, width and height
+  std::map<std::string, YAML::Mark> places;  ///< the places of fx, fy, cx, cy, width and height
 
   /// The lens by the name that a program gives to its model, and coefficients in the order of that
   /// model. Throws FileMistake at `place`.

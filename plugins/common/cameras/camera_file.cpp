@@ -22,7 +22,7 @@ std::string first_message(std::string text) {
   const auto has_line = [&](const std::string& start) {
     return text.starts_with(start) || text.find("\n" + start) != text.npos;
   };
-  std::size_t start = 0;  // of the first line that has content
+  std::size_t start = 0;  // first byte of the first line that has content
   while (start < text.size() && std::string("%#-\r\n").find(text[start]) != std::string::npos) {
     start = std::min(text.find('\n', start), text.size() - 1) + 1;
   }

@@ -30,7 +30,7 @@ Format stereo(const std::string& matrices, const std::string& coefficients) {
           .each = {}};
 }
 
-/// Keys, of which one is there in files of a program that are not read.
+/// Keys that identify files of a program whose format cannot be read: one of them is present.
 struct Unread {
   std::string_view keys, title;
 };
@@ -46,7 +46,7 @@ constexpr Unread kUnread[] = {
     {"document|chunk",
      "a Metashape project: export the calibration alone (Tools > Camera "
      "Calibration > Save), or"},
-    {"fx/value|intrinsic/fx/value", "a calibration whose numbers have keys of their own"}};
+    {"fx/value|intrinsic/fx/value", "a calibration with separate keys for its numbers"}};
 
 /// How texts begin that are neither YAML nor XML.
 constexpr Unread kUnreadTexts[] = {
@@ -174,9 +174,8 @@ std::optional<std::string> unread_text(std::string_view text) {
 }
 
 std::string keys_to_write() {
-  return "write its numbers into a camera file with the keys fx, fy, cx, cy (px, the centre of "
-         "the first pixel is 0), width, height and distortion: {model: brown or fisheye, "
-         "coefficients: [...]}";
+  return "write its numbers into a camera file: fx, fy, cx, cy (px, the centre of the first pixel "
+         "is 0), width, height and distortion: {model: brown or fisheye, coefficients: [...]}";
 }
 
 std::optional<Lens> lens_named(std::string name) {

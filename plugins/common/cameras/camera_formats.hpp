@@ -22,7 +22,7 @@ struct Format {
   std::array<std::string, 2> size;  ///< width and height, or one path of a list of both
   std::string model;                ///< the lens model
   std::string coefficients;         ///< a list, or else
-  std::optional<std::string> each;  ///< what precedes k1, k2, p1, ... where each has its own key
+  std::optional<std::string> each;  ///< the prefix of k1, k2, p1, ... where each has its own key
   /// Coordinates of the centre of the first pixel: 0 for OpenCV, 0.5 for COLMAP.
   double first_centre = 0.0;
   bool metashape = false;  ///< XML, with cx and cy from the middle of the image
@@ -33,7 +33,7 @@ struct Format {
 const std::vector<Format>& known_formats();
 const Format& own_format();
 
-/// What writes files with these values that are not read; nothing where that is unknown.
+/// The program whose files have these values but cannot be read; nothing where it is unknown.
 std::optional<std::string> unread_format(const CameraValues& values);
 
 /// The same of a text that is neither YAML nor JSON nor XML, or of bytes that are no text.

@@ -16,8 +16,8 @@ struct Match {
   std::string prefix;  ///< "cam0/"
 };
 
-/// Whether the values below a path have what a format alone has: numbers, not a map of them, but
-/// OpenCV's {rows, cols, data}.
+/// True if the values below a path have the structure that only one format has: numbers, not a map
+/// of them, but OpenCV's {rows, cols, data}.
 bool fits(const CameraValues& values, const Format& format, const std::string& prefix) {
   if (format.metashape && !values.is_xml()) return false;
   const Value* value = values.find(prefix, format.signature);

@@ -14,7 +14,7 @@ constexpr std::size_t kMostWords = 1 << 18;  // anchors can repeat values withou
 
 bool is_list(const YAML::Node& node) { return node.IsSequence(); }
 
-/// Whether a list has rows: lists of scalars, of equal length.
+/// True if a list has rows: lists of scalars, of equal length.
 bool has_rows(const YAML::Node& list) {
   return list.size() > 0 && std::all_of(list.begin(), list.end(), [&](const YAML::Node& row) {
            return is_list(row) && row.size() == list[0].size() &&

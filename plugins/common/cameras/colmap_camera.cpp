@@ -16,7 +16,7 @@ namespace {
 using yaml_files::FileMistake;
 
 /// Its parameters are one or two focal lengths, the principal point and coefficients in the order
-/// of `lens`, of which the last ones may be missing.
+/// of `lens`. The last coefficients may be missing.
 struct ColmapModel {
   std::string_view name;
   std::size_t focal_lengths, coefficients;

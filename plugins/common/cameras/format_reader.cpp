@@ -122,7 +122,7 @@ class Reader : FormatValues {
                                        "skew");
   }
 
-  /// Width (0) or height (1): a value of its own, or an entry of a list of both.
+  /// Width (0) or height (1): a single value, or an entry of a list of both.
   std::int64_t read_size(std::size_t side, const std::string& name) {
     const auto is_pair = [](const Value* value) {
       return value != nullptr && value->kind == Value::Kind::list && value->words.size() == 2;
@@ -147,7 +147,8 @@ class Reader : FormatValues {
                                    " of the images in pixels");
   }
 
-  /// A ROS driver that gives a part of the image, or fewer pixels, says so beside the camera.
+  /// A ROS driver that delivers a part of the image, or fewer pixels, states that beside the
+  /// camera.
   void check_part_of_image() const {
     const auto other = [&](const std::string& path, std::initializer_list<double> whole) {
       const Value* value = find(path);

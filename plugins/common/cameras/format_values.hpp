@@ -11,8 +11,8 @@
 
 namespace weft::cameras {
 
-/// The values of a file below one path, in one format. What is no number where one is due throws
-/// FileMistake.
+/// The values of a file below one path, in one format. Throws FileMistake where a number is due and
+/// the file has none.
 class FormatValues {
  public:
   FormatValues(const CameraValues& values, const Format& format, std::string prefix)

@@ -7,8 +7,9 @@
 
 namespace weft::cameras {
 
-/// Resamples images as an ideal pinhole with the same fx, fy, cx, cy and size would have seen them,
-/// bilinearly, on positions rounded to 1/32 px. What the camera did not see becomes black.
+/// Resamples images bilinearly as an ideal pinhole with the same fx, fy, cx, cy and size would have
+/// seen them. Positions are rounded to 1/32 px. Pixels outside the camera's field of view become
+/// black.
 class Undistorter {
  public:
   /// Leaves images as they are.
@@ -18,8 +19,8 @@ class Undistorter {
   bool changes_images() const { return !map_xy_.empty(); }
   /// `image` has the size of the camera; `undistorted` is allocated unless it has size and type.
   void apply(const cv::Mat& image, cv::Mat& undistorted) const;
-  /// The same without interpolation, for what must not be mixed, such as depth: each pixel has the
-  /// value nearest to where it comes from, and 0 where the camera did not see.
+  /// The same without interpolation, for values that must not be mixed, such as depth. Each pixel
+  /// has the value nearest to its source position, and 0 outside the camera's field of view.
   cv::Mat nearest(const cv::Mat& image) const;
 
  private:

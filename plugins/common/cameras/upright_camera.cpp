@@ -10,8 +10,8 @@ std::string size_text(std::int64_t width, std::int64_t height) {
   return std::to_string(width) + " x " + std::to_string(height) + " px";
 }
 
-/// Exchanges the axes, then reverses those that `turned` says, as the pixels are. The radial terms
-/// are the same in all directions; (p2, p1) are a vector in the image.
+/// Exchanges the axes, then reverses those that `turned` specifies, as the pixels are. The radial
+/// terms are the same in all directions; (p2, p1) are a vector in the image.
 CameraFile rotated(const CameraFile& file, const Turns& turned) {
   CameraFile result = file;
   Camera& camera = result.camera;

@@ -22,9 +22,9 @@ struct UprightCamera {
 };
 
 /// The camera of images that are made upright. A camera file describes the grid of the sensor, so
-/// that the camera is rotated with the images; one that has only the size of the upright images is
-/// taken as it is. Fails on another size, and on orientations that mirror, which no rotation of a
-/// camera does. `camera_path` and `name`, that of the image, are for the message.
+/// the camera is rotated with the images. A camera that has only the size of the upright images
+/// stays as it is. Fails on another size, and on orientations that mirror, because no rotation of a
+/// camera mirrors. The message names `camera_path` and the image `name`.
 Result<UprightCamera> upright_camera(const CameraFile& camera, const std::string& camera_path,
                                      const StoredImages& stored, const std::string& name);
 

@@ -61,7 +61,7 @@ class XmlValues {
     return mark;
   }
 
-  /// Of the next element of this name behind the last one.
+  /// Place of the next element of this name behind the last one.
   YAML::Mark place_of(const std::string& name) {
     for (std::size_t at = text_.find("<" + name, at_); at != text_.npos;
          at = text_.find("<" + name, at + 1)) {

@@ -15,9 +15,10 @@
 namespace weft::coarse_mesh {
 namespace {
 
-constexpr double kReachInEdges = 2.0;  // of a fine vertex beside the coarse mesh
+constexpr double kReachInEdges = 2.0;  // largest distance of a fine vertex beside the coarse mesh
 
-/// Of a template that follows from another one and a number; unknown where that one's is.
+/// The revision of a template that follows from another one and a number; unknown where that one's
+/// is.
 std::uint64_t mixed_revision(std::uint64_t fine, std::uint64_t count) {
   if (fine == 0) return 0;
   std::uint64_t mixed = fine + 0x9e3779b97f4a7c15U * (count + 1);

@@ -18,7 +18,7 @@
 
 namespace weft::coarse_mesh {
 
-/// The texture in m where the template says how large it is, else in px: [V,2].
+/// The texture coordinates [V,2], in m where the template has its size, else in px.
 Points2 places_of(const Template& templ);
 
 /// Some rows of an array [n] or [n,m]; absent where it is.
@@ -33,8 +33,9 @@ Array<T> rows_of(const Array<T>& values, const std::vector<std::int32_t>& rows) 
   return chosen;
 }
 
-/// Some vertices of a template, the mesh on them, and records on that mesh. What is large and stays
-/// as it is, such as the texture, is not copied: those records must not outlive the fine ones.
+/// Some vertices of a template, the mesh on them, and records on that mesh. Large arrays that stay
+/// the same, such as the texture, are not copied: the coarse records must not outlive the fine
+/// ones.
 class CoarseMesh {
  public:
   /// Settles a mesh of about `count` vertices, fewer than the template has: spread evenly over its

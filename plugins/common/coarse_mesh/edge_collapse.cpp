@@ -21,7 +21,7 @@ bool has(const Triangle& face, std::int32_t v) {
   return face[0] == v || face[1] == v || face[2] == v;
 }
 
-/// A flat mesh of which vertices are taken out.
+/// A flat mesh from which vertices are removed.
 class Collapse {
  public:
   Collapse(const Points2View& places, const FacesView& faces)
@@ -129,7 +129,7 @@ class Collapse {
     double most = kLeastQuality;
     for (const std::int32_t w : neighbours) {
       const auto shared = faces_shared(v, w);
-      if (shared != (on_border ? 1 : 2)) continue;  // what is on the border stays on it
+      if (shared != (on_border ? 1 : 2)) continue;  // vertices on the border stay on it
       const IndexList others = neighbours_of(w);
       IndexList common;
       std::set_intersection(neighbours.begin(), neighbours.end(), others.begin(), others.end(),

@@ -14,8 +14,9 @@ namespace weft::coarse_mesh {
 namespace {
 
 constexpr double kCornerRad = 0.7;  // a border that turns by more at a vertex has a corner there
-constexpr double kCornerGap = 0.3;  // of the wanted distance; a ragged border has corners all over
-constexpr double kLeastGap = 0.3;   // of it, inside
+constexpr double kCornerGap = 0.3;  // share of the wanted distance; a ragged border has corners all
+                                    // over
+constexpr double kLeastGap = 0.3;   // share of it, inside
 constexpr int kRelaxations = 4;
 
 using Mark = std::vector<std::uint8_t>;
@@ -70,7 +71,7 @@ std::vector<std::vector<std::int32_t>> border_loops(const MeshTopology& topology
   return loops;
 }
 
-/// By how much a loop turns at each of its vertices, in rad, 0 to pi.
+/// The angle by which a loop turns at each of its vertices, in rad, 0 to pi.
 std::vector<double> turns_rad(const Points2View& places, const std::vector<std::int32_t>& loop) {
   std::vector<double> turns;
   const std::size_t n = loop.size();

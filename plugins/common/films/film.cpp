@@ -34,8 +34,8 @@ Result<Film> Film::open(const std::string& path) {
   if (film.orientation_ == 0 || is_turned_otherwise) {
     return Error{Errc::unsupported,
                  path +
-                     ": its container says how frames are to be turned, by an angle or in a format "
-                     "that is not read: convert it to a video without rotation"};
+                     ": its container specifies a rotation of the frames, by an angle or in a "
+                     "format that is not supported: convert it to a video without rotation"};
   }
   const double promised = capture.get(cv::CAP_PROP_FRAME_COUNT);
   if (std::isfinite(promised)) film.promised_ = std::llround(std::clamp(promised, 0.0, 1e9));

@@ -8,8 +8,8 @@
 
 #include "common/films/packets.hpp"
 
-/// Video files are decoded here, by FFmpeg through OpenCV. What FFmpeg and OpenCV print of damaged
-/// files does not reach stderr.
+/// This library decodes video files by FFmpeg through OpenCV. It keeps the messages of FFmpeg and
+/// OpenCV on damaged files from stderr.
 namespace weft::films {
 
 /// The frames of a video file in their order, those included that the decoder refuses. It never
@@ -21,25 +21,25 @@ class Film {
   /// Errc::not_found where there is no such file, Errc::invalid_data where it is no video.
   static Result<Film> open(const std::string& path);
 
-  /// Goes to the next frame, at first to frame 0. OpenCV reports a frame that was refused as it
-  /// reports the end; frames that come afterwards tell the two apart.
+  /// Goes to the next frame, at first to frame 0. OpenCV reports a refused frame as it reports the
+  /// end; only later frames distinguish the two.
   Step advance();
 
-  /// Of the current frame, counted from 0.
+  /// Number of the current frame, counted from 0.
   std::int64_t number() const { return number_; }
-  /// Frames by the header; 0 if it does not say. May be an estimate.
+  /// Number of frames in the header; 0 if the header has none. May be an estimate.
   std::int64_t promised() const { return promised_; }
   double fps() const { return fps_; }
-  /// Of the current frame [s], as the container says; 0 or below if it does not.
+  /// Time of the current frame [s] in the container; 0 or below if it has none.
   double stamp_s() const;
   /// As the frames are stored.
   cv::Size size_px() const { return size_px_; }
-  /// By which frames are made upright, as EXIF numbers them.
+  /// The EXIF orientation by which frames are made upright.
   int orientation() const { return orientation_; }
 
   /// The current frame as it is stored, BGR, 8 bits a channel; black where the decoder refused it.
   Result<cv::Mat> image();
-  /// What is wrong with the current frame; empty for a whole one.
+  /// The damage of the current frame; empty for a whole one.
   std::string damage();
 
  private:
@@ -53,7 +53,7 @@ class Film {
   cv::Size size_px_;
   int orientation_ = 1;
   std::int64_t refused_ = 0;  // frames before the one that is grabbed, or before the end
-  bool is_ahead_ = false;     // whether that frame is grabbed
+  bool is_ahead_ = false;     // true if that frame is grabbed
   bool is_over_ = false;
   bool is_refused_ = false;  // the current frame
 };

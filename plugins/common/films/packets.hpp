@@ -11,15 +11,15 @@ namespace weft::films {
 void quiet_decoders();
 
 /// The compressed frames of a video file. In a Motion JPEG each is a JPEG image, whose damage can
-/// be found: FFmpeg patches most of it, and says so on stderr at best.
+/// be found: FFmpeg patches most of it, and at best warns on stderr.
 class Packets {
  public:
-  /// Of a Motion JPEG; else there are none.
+  /// The packets of a Motion JPEG; empty for other codecs.
   static Packets of_motion_jpeg(const std::string& path, double fourcc);
 
   bool are_known() const { return capture_.isOpened(); }
-  /// What is wrong with frame `number`; empty for a whole one, and where it cannot be known. Asked
-  /// of each frame at most once, in order.
+  /// The damage of frame `number`; empty for a whole frame, and where damage cannot be detected.
+  /// Call it at most once for each frame, in order.
   std::string damage(std::int64_t number);
 
  private:

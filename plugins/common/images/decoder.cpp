@@ -10,20 +10,21 @@
 namespace weft::image_files {
 namespace {
 
-/// A TIFF with the orientation 1: OpenCV applies others in part, even if it is told not to.
+/// A TIFF with the orientation 1: OpenCV applies others in part, even with the option that disables
+/// it.
 std::string without_orientation(const std::string& tiff) {
   const detail::TiffFields fields = detail::tiff_fields(tiff);
   std::string plain = tiff;
   if (fields.orientation_at == 0 || fields.orientation_at + 4 > tiff.size()) return plain;
   const auto at = plain.begin() + static_cast<std::ptrdiff_t>(fields.orientation_at);
   std::fill_n(at, 4, '\0');
-  // Of one byte, two and four it is the same number in the order of Intel; else of two alone.
+  // For one byte, two and four it is the same number in the order of Intel; else for two alone.
   *(at + (fields.big_endian ? 1 : 0)) = 1;
   return plain;
 }
 
-/// The log of OpenCV, to which libtiff reports, is silenced for good, as for films. What OpenCV
-/// itself prints of exceptions in its decoders has no switch.
+/// The log of OpenCV, to which libtiff reports, is silenced for good, as for films. The messages
+/// that OpenCV itself prints for exceptions in its decoders cannot be disabled.
 cv::Mat decode_by_opencv(const std::string& bytes, Channels channels) {
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));

@@ -12,7 +12,7 @@ namespace weft::image_files {
 
 struct Decoded {
   cv::Mat pixels;      ///< as OpenCV's IMREAD_UNCHANGED has them; empty: cannot be decoded
-  std::string damage;  ///< what the decoder of a JPEG found wrong; empty for a whole file
+  std::string damage;  ///< the damage that the decoder of a JPEG found; empty for a whole file
 };
 
 enum class Channels { as_stored, grey };
@@ -29,8 +29,8 @@ cv::Mat upright(const cv::Mat& stored, int orientation);
 /// Logs how a file was turned, if it was.
 void report_orientation(const Call& call, const std::string& path, int orientation);
 
-/// Whether the file need not be decoded to be known as an image of 8 bits a channel without
-/// damage: a PNG, which has checksums.
+/// True if the header alone proves that the file is an image of 8 bits a channel without damage: a
+/// PNG, which has checksums.
 bool is_surely_whole(const ImageFile& file);
 
 /// An image to which others belong pixel by pixel: masks, depth.
@@ -46,7 +46,7 @@ struct Main {
 Result<cv::Mat> upright_beside(const Main& main, const cv::Mat& stored, int orientation,
                                const std::string& path);
 
-/// The pixels of a decoded file, all of which are right; an error that names the file otherwise.
+/// The pixels of a decoded file without damage; else an error that names the file.
 Result<cv::Mat> whole_pixels(const Decoded& decoded, const std::string& path);
 
 }  // namespace weft::image_files

@@ -36,7 +36,7 @@ void note(j_common_ptr decoder) {
     reports.manager.format_message(decoder, reports.damage.data());
 }
 
-/// Whether the code ended within the last row of blocks. `decoder` is a jpeg_decompress_struct.
+/// True if the code ended within the last row of blocks. `decoder` is a jpeg_decompress_struct.
 bool is_short_end(j_common_ptr decoder) {
   const auto& data = *reinterpret_cast<j_decompress_ptr>(decoder);
   return decoder->err->msg_code == JWRN_HIT_MARKER &&
@@ -64,7 +64,7 @@ class Decoder {
   Decoder(const Decoder&) = delete;
   Decoder& operator=(const Decoder&) = delete;
 
-  // Between setjmp and longjmp no object may need destruction: each step is a function of its own.
+  // Between setjmp and longjmp no object may need destruction, so each step is a separate function.
   bool begin(const std::string& bytes, bool grey) {
     if (setjmp(reports_.failed) != 0) return false;  // NOLINT(cert-err52-cpp): libjpeg is C
     jpeg_create_decompress(&data_);
@@ -137,7 +137,7 @@ std::string decode_jpeg(const std::string& bytes, bool grey, cv::Mat& pixels) {
     worked(rows.cols);
     if (!decoder.read_row(rows.ptr(y))) return decoder.damage();
   }
-  decoder.end();  // what is wrong behind the last row costs no pixels, but is damage
+  decoder.end();  // errors behind the last row cost no pixels, but are damage
   pixels = rows.channels() == 4 ? bgr_of_inks(rows) : rows;
   if (grey && pixels.channels() == 3) cv::cvtColor(pixels, pixels, cv::COLOR_BGR2GRAY);
   return decoder.damage();

@@ -10,13 +10,13 @@ namespace weft::image_files {
 /// [H,W] u8 or [H,W,3] BGR u8, empty where nothing can be decoded. Returns what the decoder found
 /// wrong with the file, its first complaint; empty for a whole file. OpenCV writes that to stderr.
 ///
-/// Bits that flipped within the coded data are found only where the code itself stops making sense:
-/// an unknown code word, data that are left over or missing, a restart marker out of order.
+/// Bits that flipped within the coded data are found only where the code becomes invalid. Examples
+/// are an unknown code word, surplus or missing data, and a restart marker out of order.
 std::string decode_jpeg(const std::string& bytes, bool grey, cv::Mat& pixels);
 
-/// What decode_jpeg() would find wrong in a frame of a film, but for a code that ends too early
-/// within the last row of blocks: OpenCV's writer makes such frames. Pixels are not computed for
-/// it.
+/// The damage that decode_jpeg() would find in a frame of a film. A code that ends too early within
+/// the last row of blocks does not count, because OpenCV's writer makes such frames. It does not
+/// compute the pixels.
 std::string jpeg_damage(const std::string& bytes);
 
 }  // namespace weft::image_files

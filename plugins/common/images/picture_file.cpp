@@ -6,7 +6,7 @@
 namespace weft::image_files {
 namespace {
 
-/// The picture on white paper.
+/// The image on white paper.
 cv::Mat opaque(const cv::Mat& image) {
   cv::Mat bgra = image, result(image.size(), CV_8UC3);
   if (image.channels() == 2) {

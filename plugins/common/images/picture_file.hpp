@@ -13,7 +13,7 @@ namespace weft::image_files {
 /// Fails with a message that names the parameter and the file, also on one that is damaged.
 Result<cv::Mat> read_picture(const std::string& parameter, const std::string& path);
 
-/// What read_picture() would refuse; a PNG is not decoded for that.
+/// Fails where read_picture() would fail, but does not decode a PNG.
 Result<void> check_picture(const std::string& parameter, const std::string& path);
 
 /// The pixels of an image file, upright, with the channels that it stores or grey; fails like
@@ -21,7 +21,7 @@ Result<void> check_picture(const std::string& parameter, const std::string& path
 Result<cv::Mat> read_pixels(const std::string& parameter, const std::string& path,
                             Channels channels = Channels::as_stored);
 
-/// Says with an error of a file which parameter names it.
+/// Adds to an error of a file the parameter that names the file.
 Error at_parameter(Error error, const std::string& parameter);
 
 }  // namespace weft::image_files

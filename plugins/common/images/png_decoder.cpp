@@ -37,7 +37,7 @@ class PngReader {
   PngReader(const PngReader&) = delete;
   PngReader& operator=(const PngReader&) = delete;
 
-  // Between setjmp and longjmp no object may need destruction: each step is a function of its own.
+  // Between setjmp and longjmp no object may need destruction, so each step is a separate function.
   bool begin(bool grey) {
     if (info_ == nullptr) return false;
     if (setjmp(png_jmpbuf(reader_)) != 0) return false;  // NOLINT(cert-err52-cpp): libpng is C
@@ -58,7 +58,7 @@ class PngReader {
     if (!grey && is_coloured) png_set_bgr(reader_);
     if (!grey && has_alpha && !is_coloured) png_set_gray_to_rgb(reader_);
     constexpr int kSilently = 1;
-    constexpr double kRed = 0.299, kGreen = 0.587;  // of ITU-R BT.601
+    constexpr double kRed = 0.299, kGreen = 0.587;  // weights of ITU-R BT.601
     if (grey && is_coloured) png_set_rgb_to_gray(reader_, kSilently, kRed, kGreen);
     png_set_interlace_handling(reader_);
     png_read_update_info(reader_, info_);

@@ -12,9 +12,9 @@ namespace weft::image_files {
 
 struct Texture {
   cv::Mat pixels;          ///< [H,W] grey u8 or [H,W,3] BGR u8
-  cv::Mat mask;            ///< [H,W] u8, 1 where the picture is not transparent
+  cv::Mat mask;            ///< [H,W] u8, 1 where the image is not transparent
   bool has_alpha = false;  ///< else the mask is 1 everywhere
-  int orientation = 1;     ///< of the file, by which it was made upright
+  int orientation = 1;     ///< the orientation in the file, by which it was made upright
 };
 
 /// Reads an image of 8 bits a channel, made upright. The mask is 1 where an alpha channel is at
@@ -22,7 +22,7 @@ struct Texture {
 /// the parameter.
 Result<Texture> read_texture_file(const std::string& parameter, const std::string& path);
 
-/// What read_texture_file() would refuse; a PNG without transparency is not decoded for that.
+/// Fails where read_texture_file() would fail, but does not decode a PNG without transparency.
 Result<void> check_texture_file(const std::string& parameter, const std::string& path);
 
 /// Copies pixels and mask into the template's texture and mask.

@@ -20,7 +20,7 @@ struct Picture {
   const float* row(int y) const { return values.data() + to_index(y) * to_index(width); }
   float* row(int y) { return values.data() + to_index(y) * to_index(width); }
 
-  /// Whether a place has four pixels around it.
+  /// True if a place has four pixels around it.
   bool holds(float x, float y) const {
     return x >= 0.0F && y >= 0.0F && x < static_cast<float>(width - 1) &&
            y < static_cast<float>(height - 1);
@@ -38,7 +38,7 @@ struct Picture {
   }
 };
 
-/// A place in px of the picture itself, in px of its copy that is halved `level` times.
+/// Converts a place in px of the full image to px of its copy that is halved `level` times.
 inline double at_level(double place_px, int level) {
   return (place_px + 0.5) / static_cast<double>(1 << level) - 0.5;
 }
@@ -49,7 +49,7 @@ void read_grey(const Array<std::uint8_t>& pixels, Picture& grey);
 /// `from` at half its size: each pixel is the mean of four; an odd row or column is dropped.
 void halve(const Picture& from, Picture& to);
 
-/// A picture with copies that are each half the size of the one before.
+/// An image with copies that are each half the size of the previous one.
 class Pyramid {
  public:
   /// `pixels` [H,W] grey or [H,W,3] BGR, not empty; up to `most` levels, of `smallest_px` and more

@@ -33,7 +33,7 @@ std::vector<PlyElement>::const_iterator element_named(const PlyHeader& header,
                       [&](const PlyElement& element) { return element.name == name; });
 }
 
-/// What is wrong with the line; empty where nothing is.
+/// Returns the error in the line; empty where there is none.
 std::string take_property(const Words& words, PlyHeader& header) {
   const bool is_list = words.size() == 5 && words[1] == "list";
   const auto type = words.size() > 1 ? type_named(words[words.size() - 2]) : std::nullopt;
@@ -91,7 +91,7 @@ std::string missing_in(const PlyHeader& header, bool has_format, PlyUse use) {
            "mesh";
   }
   if (face < vertex && face->count > 0) {
-    return "the element 'face' stands before 'vertex', whose places it needs: export it again";
+    return "the element 'face' precedes 'vertex', whose places it needs: export it again";
   }
   return {};
 }

@@ -16,7 +16,7 @@ enum class PlyType { i8, u8, i16, u16, i32, u32, f32, f64 };
 struct PlyProperty {
   std::string name;
   PlyType type = PlyType::f32;
-  std::optional<PlyType> length;  ///< of a list
+  std::optional<PlyType> length;  ///< type of the length of a list
 };
 
 struct PlyElement {
@@ -35,10 +35,10 @@ struct PlyHeader {
   std::vector<PlyElement> elements;  ///< with vertex (x, y, z); a face has a list of indices
 };
 
-/// What a file is read for: a cloud needs no faces.
+/// The purpose of reading a file: a cloud needs no faces.
 enum class PlyUse { mesh, cloud };
 
-/// Reads up to end_header; `lines` then stand behind it. A mistake is told with path and line.
+/// Reads up to end_header; `lines` then continue behind it. Errors have path and line.
 Result<PlyHeader> read_ply_header(const std::string& path, TextLines& lines, PlyUse use);
 
 }  // namespace weft::ply

@@ -124,7 +124,8 @@ Result<void> PlyReader::read_ascii(const PlyElement& element, std::int64_t i, Pl
   if (at == words.size()) return {};
   return mistake(element, i,
                  "the line has " + std::to_string(words.size()) +
-                     " numbers where the header says " + std::to_string(at) + ": correct the line");
+                     " numbers where the header declares " + std::to_string(at) +
+                     ": correct the line");
 }
 
 Result<void> PlyReader::read_binary(const PlyElement& element, std::int64_t i, PlyRow& row) {

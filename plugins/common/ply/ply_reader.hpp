@@ -14,14 +14,15 @@ namespace weft::ply {
 /// The values of one element, those of each property; one value unless it is a list.
 using PlyRow = std::vector<std::vector<double>>;
 
-/// Whether a text is a PLY file by its first word.
+/// True if the first word of a text marks it as a PLY file.
 bool is_ply(std::string_view text);
 
 /// The number of a property; NaN where `property` is -1 or a list of another length than one.
 double number_at(const PlyRow& row, int property);
 
-/// Reads the rows of a PLY file one after another: ascii, or binary of either byte order. A mistake
-/// is told as "path:line: what; fix", or with the number of the element where there are no lines.
+/// Reads the rows of a PLY file one after another: ascii, or binary of either byte order. Errors
+/// have the form "path:line: what; fix", or have the number of the element where there are no
+/// lines.
 class PlyReader {
  public:
   /// `text` must outlive this.
@@ -43,7 +44,7 @@ class PlyReader {
     return {};
   }
 
-  /// A mistake in row i of an element.
+  /// An error in row i of an element.
   Error mistake(const PlyElement& element, std::int64_t i, const std::string& sentence) const;
 
   /// The line of the row that was read last, from 1; 0 in a binary file.

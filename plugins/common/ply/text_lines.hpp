@@ -28,9 +28,9 @@ class TextLines {
     if (line.ends_with('\r')) line.remove_suffix(1);
     return line;
   }
-  /// Of the line that was given last, from 1.
+  /// Number of the last line that was returned, from 1.
   std::int64_t number() const { return number_; }
-  /// What follows that line.
+  /// The text behind that line.
   std::string_view rest() const { return text_.substr(std::min(at_, text_.size())); }
 
  private:

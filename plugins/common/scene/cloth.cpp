@@ -145,7 +145,7 @@ Result<void> Cloth::sweep_until_unstrained() {
     if (worst < settings_.largest_strain) return {};
     if (sweeps >= settings_.most_sweeps || !std::isfinite(worst)) {
       return Error{Errc::invalid_value,
-                   "the sheet cannot keep its lengths: an edge is strained by " +
+                   "the surface cannot keep its lengths: an edge is strained by " +
                        std::to_string(100.0 * worst) +
                        " %; let it bend or move less, or give it more vertices"};
     }

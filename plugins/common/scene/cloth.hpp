@@ -13,32 +13,33 @@ namespace weft::scene {
 /// How a cloth behaves; each vertex has the mass 1, so that compliances are per unit mass.
 struct ClothSettings {
   int substeps = 10;                 ///< [] in each step
-  double bending_compliance = 1e-2;  ///< [] m/N, of pairs two vertices apart; 0 is stiff
+  double bending_compliance = 1e-2;  ///< [] m/N, between each vertex and its second neighbour; 0 is
+                                     ///< stiff
   double kept_velocity = 0.99;       ///< [] share of the velocity left after a substep
-  double push_m_per_s2 = 0.3;        ///< [] m/s^2 along +z, breaks the symmetry of a flat sheet
+  double push_m_per_s2 = 0.3;        ///< [] m/s^2 along +z, breaks the symmetry of a flat surface
   double largest_strain = 0.0018;    ///< [] of an edge of the mesh when a step is over
   int most_sweeps = 4000;            ///< [] to get there
 };
 
-/// A vertex that is drawn to a place, as by a spring; compliance 0 holds it there.
+/// A vertex that is pulled to a place, as by a spring; compliance 0 fixes it there.
 struct ClothGuide {
   std::int32_t vertex = 0;
   Eigen::Vector3d target_m = Eigen::Vector3d::Zero();  ///< [3] m
   double compliance = 0.0;                             ///< [] m/N
 };
 
-/// A sheet of cloth or paper on a mesh, simulated by extended position-based dynamics with small
-/// steps (Macklin, Mueller and Chentanez 2016; Macklin et al. 2019): for a constraint C with the
-/// compliance a and unit masses, in each substep of h seconds
+/// A surface of cloth or paper on a mesh, simulated by extended position-based dynamics with small
+/// steps (Macklin, Mueller and Chentanez 2016; Macklin et al. 2019). For a constraint C with the
+/// compliance a and unit masses, each substep of h seconds moves the vertices x by
 ///     d = -C / (sum |grad C|^2 + a / h^2),  x += d grad C.
-/// On a grid of vertices: stretch, the sides and both diagonals of all cells, compliance 0;
-/// bending, distances of vertices two apart. On any other mesh: stretch, its edges; bending,
-/// distances of the vertices opposite each edge. Each step ends with sweeps over the edges of the
-/// mesh alone until none is strained by more than `largest_strain`. The same calls give the same
-/// bytes.
+/// On a grid of vertices, stretch constrains the sides and both diagonals of all cells with
+/// compliance 0. Bending constrains the distance of each vertex to its second neighbour along rows
+/// and columns. On any other mesh, stretch constrains its edges, and bending the distances of the
+/// vertices opposite each edge. Each step ends with sweeps over the edges of the mesh alone until
+/// no edge is strained by more than `largest_strain`. The same calls give the same bytes.
 class Cloth {
  public:
-  /// `flat_m` [V,3] is the sheet at rest, vertex (column i, row j) = j * columns + i, all on the
+  /// `flat_m` [V,3] is the surface at rest, vertex (column i, row j) = j * columns + i, all on the
   /// faces of rectangular_grid_faces(). Fails on a grid below 3 x 3 or of another size.
   static Result<Cloth> create(int columns, int rows, const Points3View& flat_m,
                               const ClothSettings& settings = {});
@@ -50,8 +51,8 @@ class Cloth {
   /// From now on the lengths are those of this surface [V,3] m, as of a cloth that is stretched.
   void set_lengths_of(const Points3View& surface_m);
 
-  /// Moves on by `duration_s`; the guides move in a straight line from where they were. Fails when
-  /// the sheet cannot keep its lengths under them.
+  /// Advances by `duration_s`; the guides move in a straight line from their previous places. Fails
+  /// when the surface cannot keep its lengths under them.
   Result<void> step(double duration_s, std::span<const ClothGuide> guides);
 
   const Points3& vertices_m() const { return position_m_; }

@@ -23,9 +23,9 @@ struct FacePoint {
   double depth_m = 0.0;                               ///< [] m, along the optical axis
 };
 
-/// A mesh before the camera in some light, with perspective-correct interpolation over its
-/// triangles in closed form: with the corners M = [X0 X1 X2] and the ray d = K^-1 (x, y, 1) of a
-/// pixel the weights are z M^-1 d, z = 1 / sum(M^-1 d).
+/// A mesh in front of the camera in some light, with perspective-correct interpolation over its
+/// triangles in closed form. A pixel has the ray d = K^-1 (x, y, 1), and M = [X0 X1 X2] are the
+/// corners. The weights are z M^-1 d, z = 1 / sum(M^-1 d).
 class LitMesh {
  public:
   /// How far beyond its triangle a point may lie, as a weight.
@@ -35,14 +35,14 @@ class LitMesh {
 
   const TriangleMesh& mesh() const { return mesh_; }
 
-  /// Whether the corners of the face are counter-clockwise as the camera sees them.
+  /// True if the corners of the face are counter-clockwise in the camera's view.
   bool is_front(std::int32_t face) const { return map(face).is_front; }
 
   /// At the pixel (x,y). Weights are kept near the triangle, which matters where it is seen
   /// edge-on.
   FacePoint at(std::int32_t face, double x_px, double y_px, Reach reach) const;
 
-  /// What is given at the vertices, a row each, at a point.
+  /// The values at the vertices, one row each, interpolated at a point.
   template <class Values>
   auto interpolated(const Values& values, const FacePoint& point) const {
     const auto row = [&](int k) { return values.row(mesh_.faces(point.face, k)); };

@@ -22,21 +22,22 @@ struct Picture {
   }
 };
 
-/// A picture with the halved copies that minification needs (Williams 1983).
+/// An image with the halved copies that minification needs (Williams 1983).
 class MipTexture {
  public:
   /// Grey or BGR, u8.
   explicit MipTexture(const cv::Mat& picture);
-  /// Both sides of the picture at least 1.
+  /// Both sides of the image are at least 1.
   explicit MipTexture(Picture picture, bool is_grey = false);
 
   int width() const { return levels_.front().width; }
   int height() const { return levels_.front().height; }
-  /// Whether all its colours are grey.
+  /// True if all its colours are grey.
   bool is_grey() const { return is_grey_; }
 
-  /// Trilinear colour at (u,v) px of the full picture, pixel centres at integers, where one sample
-  /// stands for about `texels` texels along each side. Beyond the border it is the border's.
+  /// Trilinear colour at (u,v) px of the full image, pixel centres at integers, where one sample
+  /// covers about `texels` texels along each side. Beyond the border it is the colour of the
+  /// border.
   Colour sample(float u, float v, float texels) const;
 
  private:

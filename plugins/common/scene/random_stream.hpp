@@ -6,7 +6,7 @@
 
 namespace weft::scene {
 
-/// A generator of its own for each purpose and frame of one seed, so that frames may be made in any
+/// A separate generator for each purpose and frame of one seed, so that frames can be made in any
 /// order. The three numbers are mixed by SplitMix64 (Steele, Lea and Flood 2014).
 inline Rng random_stream(std::uint64_t seed, std::uint64_t purpose, std::uint64_t frame = 0) {
   std::uint64_t mixed = seed;

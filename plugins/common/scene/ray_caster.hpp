@@ -16,7 +16,7 @@ struct TriangleMesh {
   Faces faces;         ///< [F,3] vertex indices
 };
 
-/// What a ray meets first.
+/// The first hit of a ray.
 struct RayHit {
   std::int32_t mesh = -1;  ///< [] index of the mesh, -1 for none
   std::int32_t face = -1;  ///< [] of that mesh

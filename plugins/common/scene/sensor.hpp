@@ -25,7 +25,7 @@ class Sensor {
   std::vector<float> noise_;  ///< [65536] grey levels, empty for none
 };
 
-/// The picture with its colours replaced by their brightness (ITU-R BT.601).
+/// The image with its colours replaced by their brightness (ITU-R BT.601).
 Picture without_colour(Picture picture);
 
 }  // namespace weft::scene

@@ -234,7 +234,7 @@ void SheetRenderer::forget_margins(const Window& window, View& view) const {
   }
 }
 
-/// By a ray of its own, which stands for a part of the pixel.
+/// Casts a separate ray, which samples a part of the pixel.
 Colour SheetRenderer::sheet_colour(const LitMesh& sheet, std::int32_t face, double x,
                                    double y) const {
   const FacePoint point = sheet.at(face, x, y, Reach::of_a_hit);

@@ -13,7 +13,7 @@
 
 namespace weft::scene {
 
-/// Something that stands before the sheet; colours at its vertices.
+/// An object in front of the surface, with colours at its vertices.
 struct Solid {
   TriangleMesh mesh;
   std::vector<Colour> colours;  ///< [V]
@@ -21,38 +21,40 @@ struct Solid {
 
 /// Paper that bears no print.
 struct Paper {
-  float back = 208.0F;            ///< [] grey level of the side without the print
-  std::optional<float> margin{};  ///< [] around the print; without it the print's border goes on
+  float back = 208.0F;            ///< [] grey level of the side without the texture
+  std::optional<float> margin{};  ///< [] grey level around the texture; without it, the texture's
+                                  ///< border continues
 };
 
-/// What the camera sees.
+/// The image that the camera sees, and its ground truth.
 struct View {
   Picture image;                         ///< [H,W] grey levels 0 to 255, without noise
   Array<float> coverage;                 ///< [H,W] 0 to 1, share of it that is no background
-  std::vector<RayHit> hits;              ///< [H*W] at the pixel centres; mesh 0 is the sheet
+  std::vector<RayHit> hits;              ///< [H*W] at the pixel centres; mesh 0 is the surface
   Array<float> depth_m;                  ///< [H,W] m along the optical axis, 0 on the background
-  Array<float> uv_px;                    ///< [H,W,2] px of the print, NaN where it is not seen
-  std::vector<std::uint8_t> is_visible;  ///< [V] whether its printed side is seen, where asked
+  Array<float> uv_px;                    ///< [H,W,2] px of the texture, NaN where it is not seen
+  std::vector<std::uint8_t> is_visible;  ///< [V] 1 where the textured side is visible; only with
+                                         ///< Scope::pixels_and_vertices
 };
 
-/// Draws a printed sheet over a background as a pinhole camera sees it, by ray casting. Pixel (i,j)
-/// is the mean over [i-1/2,i+1/2] x [j-1/2,j+1/2] of 3 x 3 samples: of the print alone inside the
-/// sheet, of rays where its outline, a fold or a solid runs through the pixel. Texture coordinates
-/// and depths are exact for the mesh.
+/// Renders a textured surface over a background as a pinhole camera sees it, by ray casting. Pixel
+/// (i,j) is the mean over [i-1/2,i+1/2] x [j-1/2,j+1/2] of 3 x 3 samples. Inside the surface these
+/// sample only the texture. They are rays where an outline, a fold or a solid crosses the pixel.
+/// Texture coordinates and depths are exact for the mesh.
 class SheetRenderer {
  public:
-  /// `uv_px` [V,2] px of the print and `faces`, counter-clockwise from its printed side, are those
-  /// of all sheets that will be drawn; `background` has the size of the image.
+  /// `uv_px` [V,2] px of the texture and `faces`, counter-clockwise from its textured side, belong
+  /// to all surfaces that will be rendered. `background` has the size of the image.
   static Result<SheetRenderer> create(const Camera& camera, MipTexture print, const Points2& uv_px,
                                       const Faces& faces, Picture background,
                                       const Paper& paper = {});
 
   const MipTexture& print() const { return print_; }
 
-  /// What is found out in a frame: each vertex costs a ray.
+  /// The outputs that a frame needs: each vertex costs a ray.
   enum class Scope { pixels, pixels_and_vertices };
 
-  /// The sheet with the vertices [V,3] m in the camera frame, and a solid before it.
+  /// The surface with the vertices [V,3] m in the camera frame, and a solid in front of it.
   View render(const Points3View& vertices_m, const Light& light,
               std::optional<Solid> solid = std::nullopt, Scope scope = Scope::pixels_and_vertices);
   /// The background alone.
@@ -62,7 +64,7 @@ class SheetRenderer {
   struct Window {
     int x0, y0, x1, y1;
   };
-  /// What is drawn in one frame.
+  /// The scene of one frame.
   struct Scene {
     LitMesh sheet;
     std::optional<LitMesh> solid{};
@@ -95,7 +97,7 @@ class SheetRenderer {
   MipTexture print_;
   Points2 uv_px_;
   Faces faces_;
-  double cell_px_;  ///< longest side of a triangle on the print
+  double cell_px_;  ///< longest side of a triangle on the texture
   Picture background_;
   Paper paper_;
   RayCaster caster_;

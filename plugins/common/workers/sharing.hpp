@@ -21,11 +21,11 @@ struct Shares {
   int workers() const { return std::clamp(threads, 1, std::max(blocks(), 1)); }
 };
 
-/// Calls each(worker, begin, end) for blocks of the pieces [0, count): each worker takes the first
-/// block that none has, again and again, so that blocks are begun in their order. When a call
-/// answers false or throws, all end with the blocks that they have. Returns whether all was done;
-/// throws what the lowest worker threw, and Stopped where the call of this thread is cancelled: the
-/// other workers, which may have done it all, cannot ask.
+/// Calls each(worker, begin, end) for blocks of the pieces [0, count). Each worker repeatedly takes
+/// the first free block, so that blocks begin in order. When a call returns false or throws, all
+/// workers end after their current blocks. Returns true if all is done, and throws the exception of
+/// the lowest worker that threw. Throws Stopped where the call of this thread is cancelled: the
+/// other workers, which may have finished all blocks, cannot check that.
 template <class Each>
 bool share_out(Workers& workers, const Shares& shares, Each&& each) {
   std::atomic<int> next = 0;

@@ -11,8 +11,8 @@
 
 namespace weft {
 
-/// Threads that wait for work for as long as this lives: to start one takes longer than many a job.
-/// Of one instance of a component: one run at a time.
+/// Threads that wait for work during the lifetime of this object, because starting one takes longer
+/// than many jobs. They belong to one instance of a component, and do one run at a time.
 class Workers {
  public:
   using Job = std::function<void(int worker)>;
@@ -23,7 +23,7 @@ class Workers {
   Workers& operator=(const Workers&) = delete;
 
   /// Calls job(0) on the caller's thread and job(1) ... job(count - 1) on others, and returns when
-  /// all are done. What the jobs share out must not change what they make of it. Rethrows the
+  /// all are done. The result of the jobs must not depend on how they divide the work. Rethrows the
   /// exception of the lowest worker that threw.
   void run(int count, const Job& job);
 

@@ -49,7 +49,7 @@ class OneDocument final : public YAML::EventHandler {
     std::string_view before = text_.substr(0, offset);
     before = before.substr(0, before.find_last_not_of(" \t\r\n") + 1);  // npos + 1 is 0
     if (text_.substr(offset).starts_with("---") || before.ends_with("\n...")) {
-      throw FileMistake(mark, "more than one document: put it into a file of its own");
+      throw FileMistake(mark, "more than one document: put it into a separate file");
     }
     throw YAML::ParserException(mark, "belongs to no document");
   }
@@ -85,7 +85,7 @@ void fail_at(const YAML::Node& node, const std::string& message) {
 }
 
 Error error_of(const std::string& path, const std::string& text, const FileMistake& mistake) {
-  // The value of an empty text has no place of its own.
+  // The value of an empty text has no place.
   const std::string place =
       mistake.mark.is_null() ? path + ":1:1: " : place_of(path, text, mistake.mark);
   return {Errc::invalid_data, place + mistake.what(), {}};

@@ -6,7 +6,7 @@
 
 namespace weft::detectors {
 
-/// An error if the image has no pixels or the region is of another size than the image.
+/// An error if the image has no pixels or the region has another size than the image.
 Result<void> check(const DetectorInput& in);
 
 /// The image [H,W] or [H,W,3] BGR as one grey channel; it borrows the pixels where it can, else

@@ -57,8 +57,8 @@ void Selector::sort_into_cells(const std::vector<cv::KeyPoint>& keypoints, cv::S
   }
 }
 
-/// How many rounds, in each of which every cell gives one that it has, stay within the limit, and
-/// how many are left of it then.
+/// The number of rounds that stay within the limit, where every cell gives one keypoint a round,
+/// and the rest of the limit then.
 Selector::Rounds Selector::rounds_within(int limit) {
   counts_.clear();
   for (std::size_t cell = 0; cell + 2 < first_.size(); ++cell) {

@@ -15,11 +15,11 @@ std::vector<int> canonical_order(const std::vector<cv::KeyPoint>& keypoints);
 void keep_inside(const std::vector<cv::KeyPoint>& keypoints, const Array<std::uint8_t>& mask,
                  std::vector<int>& order);
 
-/// Cuts `order` down to `limit` keypoints spread over the image: in buckets^2 equal cells (fewer if
-/// there would be more cells than keypoints) the strongest of each cell come first, then the second
-/// strongest, and so on; within such a round the stronger response wins, then the place in `order`.
-/// Cells without keypoints leave their share to the others. The rest keeps its order. `limit` 0
-/// keeps all.
+/// Cuts `order` down to `limit` keypoints spread over the image, in buckets^2 equal cells (fewer if
+/// there would be more cells than keypoints). The strongest of each cell come first, then the
+/// second strongest, and so on. Within such a round the stronger response wins, then the place in
+/// `order`. Cells without keypoints leave their share to the others. The rest keeps its order.
+/// `limit` 0 keeps all.
 void keep_spread(const std::vector<cv::KeyPoint>& keypoints, cv::Size image, int limit, int buckets,
                  std::vector<int>& order);
 
@@ -56,12 +56,12 @@ class Selector {
   Rounds rounds_within(int limit);
 
   std::vector<int> order_;
-  std::vector<int> cells_;      ///< of each place
+  std::vector<int> cells_;      ///< cell of each place
   std::vector<int> first_;      ///< in `ranked_`, of each cell and beyond the last
   std::vector<Ranked> ranked_;  ///< cell by cell
-  std::vector<int> counts_;     ///< of the cells, ascending
+  std::vector<int> counts_;     ///< counts of the cells, ascending
   std::vector<Ranked> last_;    ///< the strongest of each cell beyond the rounds of all
-  std::vector<char> keep_;      ///< of each place
+  std::vector<char> keep_;      ///< flag of each place
 };
 
 }  // namespace weft::detectors

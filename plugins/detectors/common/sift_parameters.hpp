@@ -8,7 +8,7 @@ namespace weft::detectors {
 inline constexpr const char* kSiftReference =
     "paper: Lowe, Distinctive image features from scale-invariant keypoints, IJCV 2004";
 
-/// What decides which extrema of the scale space there are.
+/// The settings that determine the extrema of the scale space.
 struct SiftSettings {
   int octave_layers = 3;             ///< scales per octave
   double contrast_threshold = 0.04;  ///< weakest blob, grey levels 0 to 1, times octave_layers
@@ -17,7 +17,7 @@ struct SiftSettings {
   bool upsample = true;              ///< the first octave is the image enlarged twice
 };
 
-/// What detectors of SIFT keypoints are asked for.
+/// The settings of detectors of SIFT keypoints.
 struct SiftParameters {
   int max_keypoints = 4000;  ///< 0 for all
   int buckets = 16;          ///< cells per side, see keep_spread()

@@ -89,8 +89,8 @@ class Orb final : public Detector {
     return levels;
   }
 
-  /// A limit that OpenCV never reaches: the share of each level exceeds its number of corners, of
-  /// which no two are neighbours. OpenCV reserves memory for it.
+  /// A limit that OpenCV never reaches: the share of each level exceeds its number of corners,
+  /// because no two corners are neighbours. OpenCV reserves memory for it.
   int enough_for_all(cv::Size image, int levels) const {
     return static_cast<int>(
         std::min(0.5 * image.width * image.height * widths(levels), kMostAtOnce));
@@ -117,7 +117,8 @@ class Orb final : public Detector {
       levels[to_index(keypoint.octave)].push_back(keypoint);
     }
     int left = max_keypoints_;
-    for (int level = levels_ - 1; level >= 0; --level) {  // what a level leaves goes to finer ones
+    for (int level = levels_ - 1; level >= 0; --level) {  // the unused share of a level goes to
+                                                          // finer ones
       const auto& candidates = levels[to_index(level)];
       placed = candidates;
       for (cv::KeyPoint& keypoint : placed) keypoint.pt = place(keypoint, image);

@@ -13,7 +13,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sift_fast/description.cpp"
 #include <hwy/foreach_target.h>
-// The headers of Highway stand in this order.
+// Highway requires its headers in this order.
 #include <hwy/highway.h>
 
 #ifndef WEFT_SIFT_FAST_DESCRIPTION
@@ -66,8 +66,8 @@ void Places(const float* across, const float* down, const RotatedFrame& frame,
 }
 
 /// Sums of gradients for each row of cells, column of nodes and direction, [kCells, kSide, 8]. A
-/// gradient is shared out among the two nearest of the directions, which are an eighth of a turn
-/// apart: angles differ as 16-bit numbers do.
+/// gradient is shared by the two nearest directions, which differ by an eighth of a turn: angles
+/// differ as 16-bit numbers do.
 #if HWY_TARGET == HWY_SCALAR
 void AddRowsOfNodes(const std::int16_t* lengths, const std::uint16_t* angles,
                     const NodeWeights& weights, std::int16_t* sums) {
@@ -230,7 +230,7 @@ constexpr float kLargestPart = 0.2F;
 constexpr float kLength = 512.0F;
 /// Largest length of a gradient among those of a keypoint.
 constexpr float kLargestLength = 32767.0F;
-/// What is read behind the last node.
+/// Bytes that are read behind the last node.
 constexpr std::size_t kPadding = 64;
 
 /// Place of a row or column of nodes, cells from the middle of the grid.
@@ -305,7 +305,7 @@ RotatedFrame frame_of(const Spot& spot) {
           static_cast<float>(cell * std::sin(angle))};
 }
 
-/// Whether all nodes have neighbours on all sides.
+/// True if all nodes have neighbours on all sides.
 bool is_inside(const Plane& layer, const RotatedFrame& frame) {
   const float reach = 0.5F * (kCells + 1) * (std::abs(frame.cosine) + std::abs(frame.sine)) + 2.0F;
   return frame.x > reach && frame.y > reach &&

@@ -10,8 +10,8 @@
 namespace weft::sift_fast {
 
 /// Descriptors of keypoints (Lowe 2004, section 6), from gradients at the nodes of a grid that
-/// turns and grows with the keypoint. What a node adds to which cell is then the same for all
-/// keypoints, and only the nodes' gradients are computed. One for each thread.
+/// turns and grows with the keypoint. The contribution of a node to each cell is then the same for
+/// all keypoints, and only the nodes' gradients are computed. One for each thread.
 class Description {
  public:
   Description();

@@ -8,7 +8,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sift_fast/extrema.cpp"
 #include <hwy/foreach_target.h>
-// The headers of Highway stand in this order.
+// Highway requires its headers in this order.
 #include <hwy/highway.h>
 
 #ifndef WEFT_SIFT_FAST_EXTREMA
@@ -88,8 +88,8 @@ HWY_INLINE Range RangeAt(const TileRows& tile, std::size_t y, std::size_t l, std
                   row(tile.smallest(y, l)))};
 }
 
-/// Extrema of row `y` of a tile that begins at column `x`, of which columns [begin, end) count;
-/// their number.
+/// Finds extrema of row `y` of a tile that begins at column `x`, within columns [begin, end);
+/// returns their number.
 std::size_t Extrema(const TileRows& tile, std::size_t x, std::size_t y, std::size_t begin,
                     std::size_t end, int weakest, Candidate* found) {
   const Wide d;
@@ -104,8 +104,8 @@ std::size_t Extrema(const TileRows& tile, std::size_t x, std::size_t y, std::siz
       const auto value = hn::LoadU(d, tile.values(y, l) + i);
       const auto row = [&](std::int16_t* from) HWY_ATTR { return hn::LoadU(d, from + i); };
       const auto left = row(tile.values(y, l) - 1), right = row(tile.values(y, l) + 1);
-      // Of equal neighbours the first one counts: larger than those before it, not smaller than the
-      // others.
+      // Among equal neighbours the first one counts: larger than those before it, not smaller than
+      // the others.
       const auto larger_than =
           hn::Max(hn::Max(before.largest, row(tile.largest(y - 1, l))), hn::Max(left, above));
       const auto as_large =

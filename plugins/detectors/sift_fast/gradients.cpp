@@ -4,7 +4,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sift_fast/gradients.cpp"
 #include <hwy/foreach_target.h>
-// The headers of Highway stand in this order.
+// Highway requires its headers in this order.
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();

@@ -21,8 +21,8 @@ struct Window {
 constexpr std::size_t padded(std::size_t width) { return (width + 31) / 32 * 32; }
 
 /// For each pixel of a window the length of its gradient, weighted by its column and row (columns
-/// have weights up to padded(width)), and which of `bins` directions is nearest to it: of bin 0 to
-/// +x, then clockwise. Rows of padded(width).
+/// have weights up to padded(width)), and the nearest of `bins` directions. Bin 0 points to +x, and
+/// the others follow clockwise. Rows of padded(width).
 void weighted_gradients(const Window& window, const float* across, const float* down, int bins,
                         float* lengths, std::uint16_t* directions);
 

@@ -33,7 +33,8 @@ double variance(const std::vector<double>& weights) {
   return sum;
 }
 
-/// Of variance sigma^2 although they are few: a Gaussian that is a little wider, cut off.
+/// Weights with the variance sigma^2 although they are few: a Gaussian that is a little wider, cut
+/// off.
 std::vector<double> weights(double sigma_px) {
   const int radius = std::max(static_cast<int>(std::ceil(kCutSigmas * sigma_px)), 1);
   double narrow = 0.5 * sigma_px, wide = 2.0 * sigma_px + 1.0;

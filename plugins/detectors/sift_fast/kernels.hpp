@@ -18,9 +18,10 @@ using Taps = std::vector<std::int16_t>;
 /// A Gaussian sampled at whole numbers, to three sigmas; its variance is that of all of it.
 Taps gaussian(double sigma_px);
 
-/// What gives the even samples of a row that is enlarged twice, linearly and with pixel edges
-/// aligned, and then blurred by `sigma_px` (of the enlarged row), from the row itself: weights of
-/// its samples from -m to m, 2 m + 1 of them, which make kOne. Reversed, they give the odd samples.
+/// The weights for the even samples of a row that is enlarged twice, linearly and with pixel edges
+/// aligned, and then blurred by `sigma_px` (of the enlarged row). They apply to the samples of the
+/// row itself from -m to m, 2 m + 1 of them, and sum to kOne. Reversed, they are the weights for
+/// the odd samples.
 std::vector<std::int16_t> doubling_gaussian(double sigma_px);
 
 /// How each layer of an octave comes from the one before; the same in all octaves.

@@ -11,7 +11,7 @@
 namespace weft::sift_fast {
 namespace {
 
-constexpr float kSigmas = 1.5F;  ///< of the window, in those of the keypoint
+constexpr float kSigmas = 1.5F;  ///< standard deviation of the window, in that of the keypoint
 constexpr float kPeakRatio = 0.8F;
 constexpr float kTwoPi = 2.0F * std::numbers::pi_v<float>;
 

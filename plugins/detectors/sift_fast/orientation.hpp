@@ -14,7 +14,7 @@ namespace weft::sift_fast {
 class Orientation {
  public:
   static constexpr int kBins = 36;
-  /// Angles that one keypoint may have: peaks are two bins apart at least.
+  /// Most angles of one keypoint: peaks have a distance of at least two bins.
   static constexpr int kMostAngles = kBins / 2;
 
   /// Angles, rad from 0 to 2 pi, ascending: that of the highest peak of the histogram of directions
@@ -27,7 +27,8 @@ class Orientation {
   std::vector<float> weights_, across_, down_;
   std::vector<float> lengths_;
   std::vector<std::uint16_t> directions_;
-  float sums_[4][kBins] = {};  ///< of every fourth gradient: neighbours often share a bin
+  float sums_[4][kBins] = {};  ///< each row sums every fourth gradient: neighbours often share a
+                               ///< bin
   float angles_[kMostAngles] = {};
 };
 

@@ -10,7 +10,7 @@ namespace weft::sift_fast {
 namespace {
 
 constexpr int kLine = 32;  ///< elements of a cache line
-/// Of large pages: windows of gradients lie in many small ones.
+/// Allocates large pages, because windows of gradients would span many small ones.
 constexpr std::size_t kPage = std::size_t{1} << 21U;
 constexpr std::align_val_t kAlignment{kPage};
 

@@ -37,8 +37,9 @@ class Pyramid {
   /// No extremum is looked for nearer to the border, px of its octave.
   static constexpr int kBorder = 5;
 
-  /// For an image of this size: octaves of `layers` layers, from the image enlarged twice on or
-  /// from the image itself, as long as they are large enough to hold an extremum.
+  /// The octaves for an image of this size, of `layers` layers each. They start from the image
+  /// itself or from the image enlarged twice, and continue as long as they are large enough to
+  /// contain an extremum.
   void resize(int width, int height, bool upsample, int layers);
 
   const Plane& image() const { return image_; }

@@ -22,12 +22,12 @@ class Refinement {
  public:
   explicit Refinement(const Settings& settings);
 
-  /// From the extremum at a pixel of layer `layer` in at most five steps to where the differences D
-  /// are stationary, d = -H^-1 g; nothing where that lies elsewhere, is weak or on an edge.
-  /// `octave` and the angle are left to the caller.
+  /// Moves from the extremum at a pixel of layer `layer`, in at most five steps, to where the
+  /// differences D are stationary, d = -H^-1 g. Nothing where that point is elsewhere, is weak or
+  /// on an edge. `octave` and the angle are left to the caller.
   std::optional<Spot> refine(const Octave& octave, int x, int y, int layer) const;
 
-  /// Pixels whose |D| is not above this (unit of planes) need not be asked about.
+  /// Pixels whose |D| is not above this (unit of planes) need no refinement.
   int weakest() const { return weakest_; }
 
  private:

@@ -7,7 +7,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sift_fast/rows.cpp"
 #include <hwy/foreach_target.h>
-// The headers of Highway stand in this order.
+// Highway requires its headers in this order.
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -23,7 +23,7 @@ constexpr std::size_t kAtATime = 4;
 /// Product of a grey level and a weight, rounded.
 HWY_INLINE Vector times(Vector grey, Vector weight) { return hn::MulFixedPoint15(grey, weight); }
 
-/// What is added before a sum is halved, in columns and then in rows: their roundings down and up
+/// Offsets added before a sum is halved, in columns and then in rows: their roundings down and up
 /// cancel out on average.
 constexpr std::int16_t kDown = 0, kUp = 1;
 
@@ -152,8 +152,8 @@ HWY_EXPORT(DoubleRow);
 HWY_EXPORT(HalveRow);
 HWY_EXPORT(LoadRow);
 
-/// Mirrors an index at the first and last one until it lies inside; `twice` says whether these are
-/// seen twice there.
+/// Mirrors an index at the first and last one until it lies inside; with `twice`, these are
+/// repeated there.
 int mirrored(int i, int length, bool twice) {
   if (length == 1) return 0;
   const int before = twice ? -1 : 0, behind = 2 * length - (twice ? 1 : 2);

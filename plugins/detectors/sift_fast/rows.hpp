@@ -15,7 +15,7 @@ struct RowRange {
   int begin = 0, end = 0;
 };
 
-/// What one thread needs for it.
+/// The buffers that one thread needs for it.
 struct RowScratch {
   std::vector<std::int16_t> row;
   std::vector<const std::int16_t*> rows;

@@ -26,7 +26,7 @@ Task Schedule::task(const Layer& of) const {
   int first = next.rows.begin, last = next.rows.end - 1;
   if (of.halving > 0) first = 2 * first, last = 2 * last;
   if (of.halving < 0) first = first / 2, last = last / 2;
-  // What lies outside is mirrored, and a reach beyond the whole height takes all rows.
+  // Outer rows are mirrored, and a reach beyond the whole height takes all rows.
   first -= of.reach;
   last += of.reach;
   if (first < 0) last = std::max(last, -first);

@@ -42,7 +42,7 @@ class Schedule {
     Task::Kind kind = Task::Kind::load;
     int octave = 0, layer = 0;
     int height = 0;
-    int first_id = 0;  ///< of its tasks, top to bottom
+    int first_id = 0;  ///< first of its tasks, top to bottom
     int source = -1;   ///< the layer that it is made from; -1 for none
     int reach = 0;     ///< rows of the source above and below
     int halving = 0;   ///< 1 where a row comes from twice its number, -1 from half of it

@@ -21,7 +21,8 @@ constexpr int kAtATime = 16;
 /// Sigmas from a keypoint to the farthest gradients of its angle, and to most of its descriptor.
 constexpr float kReachOfAngle = 4.5F, kReachOfDescriptor = 8.0F;
 
-/// Asks for the pixels around a spot, as far as `sigmas`: they come while another one is computed.
+/// Prefetches the pixels around a spot, as far as `sigmas`: they arrive while another one is
+/// computed.
 void fetch(const Plane& layer, const Spot& spot, float sigmas) {
   constexpr int kStep = 32;
   const auto x = static_cast<int>(spot.x), y = static_cast<int>(spot.y);

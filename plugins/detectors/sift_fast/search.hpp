@@ -44,7 +44,7 @@ class Search {
   void describe(std::span<const Spot> keypoints, float* descriptors, int threads);
 
  private:
-  /// What one thread needs.
+  /// The buffers that one thread needs.
   struct Worker {
     RowScratch rows;
     ExtremaScratch extrema;
@@ -58,7 +58,7 @@ class Search {
   void search(const Task& task, Worker& worker);
   void refine(const Task& task);
   void gather(std::span<const Task> tasks);
-  /// Whether all that a task needs is done; false when another thread has given up.
+  /// Waits until all that a task needs is done; false when another thread has given up.
   bool wait_for(const Task& task);
   /// Calls `each(worker, i)` for i in [0, count), a few at a time.
   template <class Each>
@@ -74,16 +74,16 @@ class Search {
   std::vector<Worker> workers_;
   int width_ = 0, height_ = 0;
 
-  std::unique_ptr<std::atomic<bool>[]> done_;  ///< of tasks
+  std::unique_ptr<std::atomic<bool>[]> done_;  ///< flags of tasks
   std::size_t done_capacity_ = 0;
   std::atomic<std::size_t> next_{0};
   std::atomic<bool> given_up_{false};
 
-  std::vector<std::vector<Candidate>> candidates_;  ///< of each task
-  std::vector<std::vector<Spot>> found_;            ///< of each task
+  std::vector<std::vector<Candidate>> candidates_;  ///< candidates of each task
+  std::vector<std::vector<Spot>> found_;            ///< spots of each task
   std::vector<int> seen_;                           ///< hash table of `extrema_`
   std::vector<Spot> extrema_, keypoints_;
-  std::vector<float> angles_;  ///< of each extremum, room for Orientation::kMostAngles
+  std::vector<float> angles_;  ///< angles of each extremum, room for Orientation::kMostAngles
   std::vector<std::size_t> angle_counts_;
 };
 

@@ -15,7 +15,7 @@ class Abandoned {
  public:
   void keep(std::unique_ptr<Work> work) { works_.push_back(std::move(work)); }
 
-  /// Lets go of what has come to an end, and of what a lost device will never speak of again.
+  /// Releases works that have ended, and those that a lost device will never complete.
   void bury() { works_.remove_if(&is_over); }
 
  private:

@@ -12,7 +12,7 @@
 
 namespace weft::sift_gpu {
 
-/// SIFT as OpenCV computes it, on a device that speaks OpenCL.
+/// SIFT as OpenCV computes it, on an OpenCL device.
 class SiftGpu final : public Detector {
  public:
   static constexpr About kAbout{.reference = detectors::kSiftReference,

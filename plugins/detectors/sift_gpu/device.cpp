@@ -60,7 +60,7 @@ std::string cause_of(const cl::Error& failure) {
          name_of(failure.err()) + ")";
 }
 
-/// What may stand for a device: a kind, or a word of a name or of a vendor.
+/// The texts that can select a device: a kind, or a word of a name or of a vendor.
 std::vector<std::string> words_of(const std::vector<cl::Device>& devices) {
   std::vector<std::string> words{"gpu"};
   for (const cl::Device& device : devices) {
@@ -73,7 +73,7 @@ std::vector<std::string> words_of(const std::vector<cl::Device>& devices) {
   return words;
 }
 
-/// All devices, and what drivers said that could not name theirs.
+/// All devices, and the errors of drivers that could not name theirs.
 struct Found {
   std::vector<cl::Device> devices;
   std::string failures;
@@ -140,7 +140,7 @@ Result<cl::Device> choose(const std::string& wanted) {
   const auto is_digit = [](unsigned char c) { return std::isdigit(c) != 0; };
   const bool is_index = wanted.size() < 3 && std::ranges::all_of(wanted, is_digit);
   for (const cl::Device& device : devices) {
-    if (is_index) break;  // "1" stands in many a name
+    if (is_index) break;  // "1" is contained in many a name
     const std::string names =
         device.getInfo<CL_DEVICE_NAME>() + "\n" + device.getInfo<CL_DEVICE_VENDOR>();
     if (lower(names).find(lower(wanted)) != std::string::npos) return device;

@@ -24,14 +24,14 @@ std::string description(const cl::Device& device);
 std::vector<std::string> descriptions();
 
 /// The device with this index among all_devices(), a number below 100, or the first whose name or
-/// vendor contains the text, whatever the case; "gpu": the first GPU; empty text: the first. The
-/// Error lists what there is.
+/// vendor contains the text, in any case. "gpu" selects the first GPU, and the empty text the first
+/// device. The Error lists the devices.
 Result<cl::Device> choose(const std::string& wanted);
 
-/// A failed call of OpenCL as an Error that says what can be done; `doing` completes "while ...".
+/// A failed call of OpenCL as an Error with a suggestion; `doing` completes "while ...".
 Error error_of(const cl::Error& failure, const std::string& doing);
 
-/// A device with the compiled kernels, shared by all who ask for the same one.
+/// A device with the compiled kernels, shared by all users of the same device.
 class Device {
  public:
   /// Compiles the kernels, or takes them from the cache in $XDG_CACHE_HOME/weft/opencl (else
@@ -41,8 +41,8 @@ class Device {
   /// The one that is open already and not retired, or a new one.
   static Result<std::shared_ptr<Device>> open(const std::string& wanted);
 
-  /// After a failure: a device that was lost comes back with a new context, if at all. What is kept
-  /// in this one stays there, and may be out of reach.
+  /// Retires it after a failure: a device that was lost comes back with a new context, if at all.
+  /// Data in this context stay there, and may be out of reach.
   void retire() { is_retired_ = true; }
   bool is_retired() const { return is_retired_; }
 
@@ -63,8 +63,8 @@ class Device {
   std::atomic<bool> is_retired_ = false;
 };
 
-/// Waits until `event` is complete; false when `cancelled` said so first. Throws cl::Error if what
-/// it stands for failed.
+/// Waits until `event` is complete; false when `cancelled` returned true first. Throws cl::Error if
+/// its command failed.
 bool wait_for(const cl::Event& event, const std::function<bool()>& cancelled);
 
 }  // namespace weft::sift_gpu

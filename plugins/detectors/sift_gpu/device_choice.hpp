@@ -14,15 +14,14 @@ class DeviceChoice {
   /// Declares `device` and `without_device`.
   void read(Params& p);
 
-  /// What must hold before the first frame: there is a device, or the pipeline said that it can do
-  /// without.
+  /// Checks before the first frame that a device exists, or that the pipeline permits the fallback.
   Result<void> prepare();
 
   /// The device, opened where it is not open. Null where there is none and the component should
   /// stand back for its `fallback`.
   Result<std::shared_ptr<Device>> open();
 
-  /// The answer of the fallback, which says that it is one, and why, also as a warning of the run.
+  /// The result of the fallback, marked as such and with its reason, also as a warning of the run.
   template <class RecordType>
   Result<RecordType> flagged(const Call& call, Result<RecordType> answer) const {
     call.log_warning(reason_ + "; its fallback answered");

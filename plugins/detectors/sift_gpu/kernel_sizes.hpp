@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// What the kernels and those who launch them must agree on; the kernels are compiled with it.
+/// The constants that the kernels and their callers share; the kernels are compiled with them.
 namespace weft::sift_gpu {
 
 inline constexpr int kGroup = 32;              ///< items of a group
 inline constexpr int kDescriptorLength = 128;  ///< elements
 inline constexpr int kTileSide = 32;           ///< queries and trains whose distances a group finds
-inline constexpr int kTileBlock = 4;           ///< of which an item finds as many by as many
+inline constexpr int kTileBlock = 4;           ///< side of the square of pairs that one item finds
 
 }  // namespace weft::sift_gpu

@@ -13,7 +13,7 @@
 
 namespace weft::sift_gpu {
 
-/// Nearest descriptor with Lowe's ratio test, exact, on a device that speaks OpenCL.
+/// Nearest descriptor with Lowe's ratio test, exact, on an OpenCL device.
 class GpuMatcher final : public Matcher {
  public:
   static constexpr About kAbout{

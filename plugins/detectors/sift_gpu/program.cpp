@@ -46,9 +46,9 @@ XXH64_hash_t hash_of(const std::vector<unsigned char>& binary) {
   return XXH3_64bits(binary.data(), binary.size());
 }
 
-/// Written beside its place and renamed, so that nobody reads half of it, and behind its hash:
-/// there are drivers that end the process over a binary which is damaged after all. A cache that
-/// cannot be written costs the next start its time and nothing else.
+/// Writes beside the final path and renames, so that no process reads half of it. A hash precedes
+/// the binary, because some drivers end the process over a damaged one. A cache that cannot be
+/// written only costs the next start its time.
 void store(const fs::path& file, const std::vector<unsigned char>& binary) {
   std::error_code code;
   fs::create_directories(file.parent_path(), code);
@@ -71,7 +71,7 @@ cl::Program from_cache(const cl::Context& context, const cl::Device& device, con
     program.build({device});
     return program;
   } catch (const cl::Error&) {
-    return {};  // of another driver: likewise
+    return {};  // a binary of another driver: likewise
   }
 }
 

@@ -43,7 +43,7 @@ Queue::~Queue() {
       ended = idle();
     }
   } catch (const cl::Error&) {
-    ended = false;  // a lost device does not say whether it still writes
+    ended = false;  // a lost device does not report whether it still writes
   }
   if (!ended) static_cast<void>(std::make_unique<Transfers>(std::move(transfers_)).release());
 }

@@ -12,11 +12,11 @@ namespace weft::sift_gpu {
 
 using CancelledCheck = std::function<bool()>;
 
-/// Thrown when the host asked to stop; commands may still be running.
+/// Thrown when the host cancelled; commands may still be running.
 struct Cancelled {};
 
 /// Commands for a device, carried out one after another. All methods throw cl::Error when the
-/// device fails; after that, or after Cancelled, what was asked of the queue is worth nothing.
+/// device fails; after that, or after Cancelled, the results of the queue are undefined.
 class Queue {
  public:
   /// `timed`: the device keeps the time of each kernel, for kernel_ms().
@@ -57,8 +57,8 @@ class Queue {
   /// The event of the last kernel.
   const cl::Event& last_kernel() const { return kernel_; }
 
-  /// Later commands wait for an event, which may be of another queue of the same device. Whether
-  /// they run, or ever end, where that fails is the driver's affair: it must be waited for too.
+  /// Later commands wait for an event, which may belong to another queue of the same device. If the
+  /// event fails, the driver decides whether they run, or ever end: wait for the event too.
   void after(const cl::Event& event);
 
   /// Waits for all commands so far and copies to the host.
@@ -69,9 +69,8 @@ class Queue {
   /// end.
   double kernel_ms();
 
-  /// Whether all commands have come to an end. Destroyed before that, it waits for two seconds,
-  /// then leaves the memory that transfers may still use to the process; at once where the device
-  /// does not say.
+  /// True if all commands have ended. Destroyed before that, it waits for two seconds, then leaks
+  /// the memory that transfers may still use; at once where the device reports no state.
   bool idle() const;
 
  private:

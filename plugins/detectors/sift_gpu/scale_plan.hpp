@@ -16,7 +16,7 @@ struct Octave {
   std::int32_t width, height;
 };
 
-/// One Gaussian: its taps from the middle outwards stand in ScalePlan::taps.
+/// One Gaussian: ScalePlan::taps has its taps from the middle outwards.
 struct Blur {
   int offset;
   int radius;
@@ -31,7 +31,7 @@ struct ScalePlan {
   int layers() const { return static_cast<int>(blurs.size()); }
 
   int image_width, image_height;
-  int width, height;  ///< of the first octave, even where there is none
+  int width, height;  ///< size of the first octave, even where there is none
   std::vector<Octave> octaves;
   std::vector<Blur> blurs;  ///< [octave_layers + 3] before the first layer, then between layers
   std::vector<float> taps;

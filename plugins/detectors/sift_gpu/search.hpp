@@ -9,7 +9,7 @@
 
 namespace weft::sift_gpu {
 
-/// What the search found for a query, as the kernels write it; -1 where there is none.
+/// The result of the search for a query, as the kernels write it; -1 where there is none.
 struct Pair {
   std::int32_t best, second;
   float best_square, second_square;  ///< squared distances
@@ -28,8 +28,8 @@ class Search {
   bool is_on(const Device& device) const { return device_.get() == &device; }
 
   /// Descriptors [count,length], here or kept on a device; with `root` each, which is not negative,
-  /// becomes sqrt(d / |d|_1). What is kept on this device is not copied, and the same again, as
-  /// those of a template, is loaded only once. Both sides have the same length. Throws OutOfReach
+  /// becomes sqrt(d / |d|_1). Descriptors on this device are not copied, and repeated ones, such as
+  /// those of a template, are loaded only once. Both sides have the same length. Throws OutOfReach
   /// too.
   void load_queries(const Array<float>& descriptors, bool root, const CancelledCheck& cancelled) {
     load(queries_, descriptors, root, cancelled);

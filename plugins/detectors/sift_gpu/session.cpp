@@ -191,7 +191,7 @@ std::vector<Spot> Session::find(const Array<std::uint8_t>& pixels,
   return spots;
 }
 
-/// A buffer for descriptors that nobody reads any more.
+/// A buffer for descriptors without any reader left.
 const std::shared_ptr<const cl::Buffer>& Session::free_rows(std::size_t bytes) {
   const auto is_free = [](const auto& buffer) { return buffer.use_count() == 1; };
   const auto found = std::find_if(rows_.begin(), rows_.end(), is_free);

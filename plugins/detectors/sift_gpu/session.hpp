@@ -22,8 +22,8 @@ struct Spot {
 };
 
 /// SIFT for images of one size on one device: the buffers are made once. All methods throw
-/// cl::Error when the device fails and Cancelled when the call's host asked to stop; after either
-/// the session must not be used again.
+/// cl::Error when the device fails and Cancelled when the call's host cancelled; after either the
+/// session must not be used again.
 class Session {
  public:
   /// `channels` is 1 or 3 (blue, green, red); for `timed` see Queue.
@@ -32,7 +32,7 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Bytes on the device that a session would hold before it knows how many keypoints there are.
+  /// Bytes on the device that a session would need before the number of keypoints is known.
   static std::uint64_t bytes_needed(const ScalePlan& plan, int channels);
   /// The largest of its buffers.
   static std::uint64_t largest_buffer_bytes(const ScalePlan& plan);
@@ -77,7 +77,8 @@ class Session {
       selected_;
   int extrema_capacity_, keypoints_capacity_;
   int selected_capacity_ = 0;
-  std::vector<std::shared_ptr<const cl::Buffer>> rows_;  ///< of descriptors, held by others or free
+  std::vector<std::shared_ptr<const cl::Buffer>> rows_;  ///< buffers of descriptors, in use
+                                                         ///< elsewhere or free
 };
 
 }  // namespace weft::sift_gpu

@@ -19,7 +19,7 @@ using weft::InlierMask;
 using weft::adalam::Agreement;
 using weft::filters::Candidates;
 
-/// Candidates with what their descriptors say, if anything is known of it.
+/// Candidates with the evidence of their descriptors, if they have any.
 struct Evidence {
   std::vector<std::size_t> rank;  ///< [n] 0 for the candidate whose ratio is best
   std::vector<double> angle_rad;  ///< [n] image minus template, or empty

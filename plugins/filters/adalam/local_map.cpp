@@ -13,7 +13,7 @@
 namespace weft::adalam {
 namespace {
 
-constexpr double kMissed = 1e-4;           // probability that a better map is not drawn
+constexpr double kMissed = 1e-4;           // probability to miss a better map
 constexpr double kLeastResidual2 = 1e-12;  // keeps confidences of exact maps finite
 
 /// The map of least squares from template to image; nothing where it stretches too much.
@@ -49,7 +49,7 @@ class Judge {
   }
 
   /// The largest k for which the k-th smallest residual has min_confidence r^2 <= k / m. Residuals
-  /// are counted by the least such k, in place of sorting them.
+  /// are counted by the least such k, instead of sorting them.
   std::size_t agreeing(const Eigen::Matrix2d& map) {
     const std::size_t m = around_.size();
     measure(map);
@@ -124,7 +124,8 @@ class Judge {
   std::vector<double> residual2_;
 };
 
-/// Draws after which two agreeing matches were drawn, but for kMissed.
+/// Samples after which two agreeing matches were drawn at random, except with the probability
+/// kMissed.
 double draws_for(double agreeing_share) {
   const double pair = agreeing_share * agreeing_share;
   if (pair >= 1.0) return 1.0;

@@ -30,8 +30,8 @@ struct Agreement {
   double sureness = 0.0;           ///< the confidence of this set
 };
 
-/// Linear maps through the seed and two matches are drawn, the most trusted pairs first, until a
-/// better one is unlikely (1 in 10,000); the best is fitted to those that agree with it.
+/// Samples linear maps through the seed and two matches, the most trusted pairs first, until a
+/// better one is unlikely (1 in 10,000). Fits the best map to the matches that agree with it.
 Agreement agreement_of(const Neighbourhood& around, const Settings& settings);
 
 }  // namespace weft::adalam

@@ -89,7 +89,7 @@ class Aem final : public weft::Filter {
     weft::Rng rng = in.call.rng();
     const auto found = weft::aem::find_object(
         matches, track_ ? track_of(in) : std::optional<Track>{}, options_, rng);
-    if (!found) return weft::no_result("no coherent set: no three matches show a sheet");
+    if (!found) return weft::no_result("no coherent set: no three matches show a surface");
     if (found->confidence < least_confidence_) {
       return weft::no_result("no coherent set to be trusted: confidence " +
                              percent(found->confidence));

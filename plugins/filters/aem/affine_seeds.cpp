@@ -15,11 +15,11 @@ namespace {
 constexpr std::size_t kSeeds = 3;
 constexpr int kScored = 1024;               // matches on which maps are compared
 constexpr Eigen::Index kFirstScored = 256;  // those that are looked at first
-constexpr double kHopeless = 0.7;     // of a seed's score, below which the others are not looked at
-constexpr double kThreshold = 0.08;   // of the template's diagonal in the image
+constexpr double kHopeless = 0.7;     // share of a seed's score, below which the others are skipped
+constexpr double kThreshold = 0.08;   // share of the template's diagonal in the image
 constexpr double kWiderForOne = 1.5;  // a similarity through one match is less exact
-constexpr double kThinTriple = 0.02;  // of the template's area
-constexpr double kSmallest = 0.05;    // of the largest stretch
+constexpr double kThinTriple = 0.02;  // share of the template's area
+constexpr double kSmallest = 0.05;    // share of the largest stretch
 constexpr double kLargestAspect = 4.0;
 constexpr int kFewestDraws = 200;
 constexpr double kMissed = 0.01;  // probability to miss the best map
@@ -93,7 +93,7 @@ class SeedSearch {
     return map;
   }
 
-  /// Whether a sheet may look like this: not too large, too small or too oblique.
+  /// True if a surface may look like this: not too large, too small or too oblique.
   bool plausible(const Affine& map) const {
     const double area_ratio = map.slope.determinant(), square = map.slope.squaredNorm();
     const double root = std::sqrt(std::max(0.0, square * square - 4.0 * area_ratio * area_ratio));
@@ -133,7 +133,7 @@ class SeedSearch {
             .sum());
   }
 
-  /// Puts a seed among the best, of which no two are alike.
+  /// Inserts a seed into the list of the best, which contains no two similar ones.
   void keep(const Seed& seed) {
     if (best_.size() == kSeeds && seed.score <= best_.back().score) return;
     for (auto other = best_.begin(); other != best_.end(); ++other) {
@@ -158,7 +158,7 @@ class SeedSearch {
     return gap_px <= std::max(a.threshold_px, b.threshold_px);
   }
 
-  /// Draws of so many matches each after which a better map is unlikely.
+  /// Number of samples, with `matches` matches each, after which a better map is unlikely.
   int wanted_draws(int matches) const {
     const double share = std::clamp(best_.empty() ? 0.0 : best_.front().share, 0.05, 0.95);
     const double wanted = 3.0 * std::log(kMissed) / std::log1p(-0.5 * std::pow(share, matches));

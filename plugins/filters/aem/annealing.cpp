@@ -16,17 +16,19 @@ namespace weft::aem {
 namespace {
 
 constexpr double kSigmaOfThreshold = 0.6;  // first sigma, of a seed's threshold
-constexpr double kSigmaOfTrack = 0.03;     // of the template's diagonal in the image
-constexpr double kTrackSmoothing = 1e-3;   // of a knot cell: the shape is smooth already
+constexpr double kSigmaOfTrack = 0.03;     // share of the template's diagonal in the image
+constexpr double kTrackSmoothing = 1e-3;   // smoothing, in areas of a knot cell: the shape is
+                                           // smooth already
 constexpr double kFirstShare = 0.3, kLeastShare = 0.02, kLargestShare = 0.98;
 constexpr double kCooling = 0.7;           // sigma falls to this in a round at most
 constexpr double kConvergedChange = 0.02;  // relative change of sigma that ends
 constexpr int kFewestRounds = 6, kMostRounds = 20;
 constexpr double kBroadSigmas = 4.0;  // least sigmas, above which a sharper optimum is looked for
 constexpr double kSureLikelihood = 150.0;  // log; a set that chance made would be sharpened to more
-constexpr double kCollapsed = 0.3;  // of the start's scale, below which a warp shows no sheet
+constexpr double kCollapsed = 0.3;  // share of the start's scale, below which a warp shows no
+                                    // surface
 constexpr int kGatherEvery = 3;     // rounds
-constexpr Eigen::Index kMostVertices = 256;  // of a shape that has more, some
+constexpr Eigen::Index kMostVertices = 256;  // a shape with more vertices is sampled
 constexpr double kLeastLogit = -9.0;         // below it a match does not take part
 constexpr double kLeastProbability = 1e-4;   // below it a match does not count in a fit
 constexpr double kCertainLogit = 3.0;  // logit from which the warp's own variance is no matter
@@ -50,7 +52,7 @@ SplineDomain domain_for(const Matches& matches, double margin_px, int control_lo
 
 }  // namespace
 
-/// Of one run, from round to round. Those that take part are the gathered matches.
+/// The state of one run, from round to round. The active matches are the gathered ones.
 struct Annealing::State {
   Grid& grid;
   Points2 target_px;  ///< [n,2] displacement that a match wants
@@ -129,8 +131,8 @@ Solution Annealing::run(const Start& start) {
   return best;
 }
 
-/// Cools whatever the residuals say, and keeps the likeliest of what comes by. Where a print
-/// repeats, matches to the next period surround the correct ones and keep sigma at the size of the
+/// Cools independent of the residuals, and keeps the likeliest solution on the way. Where a texture
+/// repeats, matches to the next period surround the inliers and keep sigma at the size of the
 /// period.
 void Annealing::sharpen(const Start& start, State& state, Solution& best) {
   while (state.sigma_px > options_.least_sigma_px) {
@@ -161,7 +163,7 @@ Solution Annealing::solution_of(const Start& start, const State& state) const {
   return solution;
 }
 
-/// The median scale of the warp at correct matches. To shrink to clusters of mismatches costs it
+/// The median scale of the warp at inliers. Shrinking to clusters of mismatches costs the warp
 /// little bending.
 double Annealing::typical_scale(const Start& start, const State& state) const {
   std::vector<double> area_ratio;
@@ -198,7 +200,7 @@ void Annealing::finish(const Start& start, Solution& solution) {
   }
 }
 
-/// A round on all matches near the warp, of which isolated ones have no say.
+/// A round on all matches near the warp, in which isolated ones have no weight.
 void Annealing::look_again(const Start& start, const Isolated& isolated, State& state,
                            Solution& solution) const {
   gather(solution.residual_px, options_.most_finished, state);
@@ -278,7 +280,7 @@ void Annealing::conclude(const State& state, Solution& solution) const {
   solution.rounds = state.rounds;
 }
 
-/// What scale and angle of matches add to their log odds.
+/// The contributions of scale and angle of matches to their log odds.
 Eigen::ArrayXd Annealing::biases(const Start& start, const Grid& grid,
                                  const std::vector<Eigen::Index>& rows) const {
   Eigen::ArrayXd bias = Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(rows.size()));

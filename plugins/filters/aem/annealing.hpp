@@ -31,9 +31,9 @@ struct Solution {
   Points2 residual_px;          ///< [n,2] warp less image point
   Eigen::ArrayXd bias;          ///< [n] what scale and angle add to the log odds
   Eigen::ArrayXd logit;         ///< [n] log odds that a match is correct
-  double sigma_px = 0.0;        ///< of the residuals of correct matches along each axis
-  double share = 0.0;           ///< [] of correct matches
-  double log_likelihood = 0.0;  ///< of the coarse warp, less its bending
+  double sigma_px = 0.0;        ///< standard deviation of the residuals of inliers along each axis
+  double share = 0.0;           ///< [] share of inliers
+  double log_likelihood = 0.0;  ///< log-likelihood of the coarse warp, less its bending
   int rounds = 0;
 
   Eigen::Index correct() const { return (logit > 0.0).count(); }
@@ -42,7 +42,7 @@ struct Solution {
 struct AnnealingOptions {
   int control_long = 8, control_short = 6;  ///< control points along the template's sides
   int fine_control_long = 12, fine_control_short = 9;  ///< the same for the last look
-  double margin_px = 20.0;      ///< of the spline's domain around the template
+  double margin_px = 20.0;      ///< margin of the spline's domain around the template
   double stiffness = 8.0;       ///< kappa, weight of the bending
   double fine_stiffness = 3.0;  ///< the same for the last look: what bends little is found already
   double least_sigma_px = 1.0;
@@ -50,14 +50,14 @@ struct AnnealingOptions {
   int last_rounds = 3;
 };
 
-/// Expectation maximisation for the mixture of a warp with normal residuals and mismatches spread
-/// evenly over the image, from a coarse start to a fine warp: the stiffness lambda = kappa sigma^2
-/// / s^2 falls as sigma does.
+/// Expectation maximisation for a mixture: a warp with normal residuals, and mismatches spread
+/// evenly over the image. It proceeds from a coarse to a fine warp: the stiffness lambda = kappa
+/// sigma^2 / s^2 falls as sigma does.
 class Annealing {
  public:
   Annealing(const Matches& matches, const AnnealingOptions& options);
 
-  /// From a warp of which some places [V,2] px in template and image are known.
+  /// The start from a warp with some known places [V,2] px in template and image.
   Start start_along(const Points2& flat_px, const Points2& image_px);
   Solution run(const Start& start);
   /// A last look at all matches near the warp, which may bend more; in the log odds it then counts

@@ -14,7 +14,7 @@ constexpr double kFewMatches = 50.0;
 
 double confidence(const Evidence& evidence) {
   if (!(evidence.correct > 0.0) || !(evidence.log_likelihood > 0.0)) return 0.0;
-  // Of many matches, some mismatches agree within a broad sigma: clusters of them do.
+  // Among many matches, some mismatches agree within a broad sigma: clusters of them do.
   const double broad = std::log(std::max(evidence.sigmas, 1.0)) *
                        std::log(std::max(evidence.matches / kFewMatches, 1.0));
   const double logit = -0.670 + 0.0892 * std::min(evidence.log_likelihood, 150.0) +

@@ -7,7 +7,7 @@
 namespace weft::aem {
 namespace {
 
-constexpr double kRidge = 1e-9;  // of the largest diagonal element
+constexpr double kRidge = 1e-9;  // share of the largest diagonal element
 
 std::size_t at(Eigen::Index i) { return to_index(i); }
 

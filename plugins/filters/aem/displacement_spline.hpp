@@ -9,16 +9,15 @@
 
 namespace weft::aem {
 
-/// Displacements of the plane as a bicubic B-spline on a small grid (Rueckert et al. 1999), fitted
-/// by
-///   min  sum_k w_k |d(p_k) - d_k|^2 + lambda * integral (d_uu^2 + 2 d_uv^2 + d_vv^2) du dv.
-/// So small that the normal matrix is dense. Beyond the domain a displacement is that of the
-/// border.
+/// Displacements of the plane as a bicubic B-spline (Rueckert et al. 1999), fitted by
+///     min  sum_k w_k |d(p_k) - d_k|^2 + lambda * integral (d_uu^2 + 2 d_uv^2 + d_vv^2) du dv.
+/// The grid is so small that the normal matrix is dense. Beyond the domain a displacement is that
+/// of the border.
 class DisplacementSpline {
  public:
   /// A place, as the fit needs it.
   struct Site {
-    Eigen::Index first = 0;          ///< of the 4 x 4 control points
+    Eigen::Index first = 0;          ///< first of the 4 x 4 control points
     std::array<double, 4> u{}, v{};  ///< their weights along u and v
     double tu = 0.0, tv = 0.0;       ///< in the knot interval, 0 to 1
   };
@@ -41,8 +40,8 @@ class DisplacementSpline {
   Eigen::Matrix2d slope(const Site& site) const;
   /// The integral above, over both directions.
   double bending() const;
-  /// a^T H^-1 a of the last fit, H its normal matrix and a the weights at the site: the variance of
-  /// the displacement there, in units of that of a match of weight 1.
+  /// a^T H^-1 a of the last fit, with its normal matrix H and the weights a at the site. It is the
+  /// variance of the displacement there, in units of that of a match of weight 1.
   double leverage(const Site& site) const;
 
  private:

@@ -8,9 +8,10 @@
 namespace weft::aem {
 namespace {
 
-constexpr Eigen::Index kCells = 8;     // of the template along each side
-constexpr double kMuchCompany = 8.0;   // correct matches to be expected around one, to miss them
-constexpr double kMissing = 0.15;      // of these, below which it is isolated
+constexpr Eigen::Index kCells = 8;     // cells of the template along each side
+constexpr double kMuchCompany = 8.0;   // expected number of inliers around one, from which on their
+                                       // absence counts
+constexpr double kMissing = 0.15;      // share of these, below which it is isolated
 constexpr double kEnough = 4.0;        // correct ones around it, with which it never is
 constexpr double kPriorMatches = 2.0;  // with the share of all, added to those around
 

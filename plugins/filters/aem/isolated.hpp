@@ -14,13 +14,13 @@ struct Isolated {
         shift(Eigen::ArrayXd::Zero(matches)) {}
 
   Eigen::Array<bool, Eigen::Dynamic, 1> is;  ///< [n]
-  Eigen::ArrayXd shift;  ///< [n] of the log odds: by the share of correct matches around, 0 if not
+  Eigen::ArrayXd shift;  ///< [n] shift of the log odds, by the share of inliers around; 0 if not
                          ///< isolated
 };
 
-/// Left in a fit, a isolated match bends the warp to itself and then looks right: where the object
-/// is hidden and copies of it are seen, one match to a copy turns up its corner. `share` is that of
-/// all matches that are correct.
+/// If it stays in a fit, an isolated match bends the warp to itself and then appears to be an
+/// inlier. Where the object is hidden and copies of it are visible, one match to a copy turns up
+/// the corner of the warp. `share` is the share of inliers in all matches.
 Isolated find_isolated(const Matches& matches, const Eigen::ArrayXd& logit, double share);
 
 }  // namespace weft::aem

@@ -15,8 +15,8 @@ namespace weft::aem {
 struct Matches {
   Points2 template_px, image_px;       ///< [n,2]
   Eigen::ArrayXd log_scale, turn_rad;  ///< [n] of the keypoints, or empty
-  TextureBox box;                      ///< of the object in the texture
-  double image_area_px2 = 0.0;         ///< of the box around the image points
+  TextureBox box;                      ///< box of the object in the texture
+  double image_area_px2 = 0.0;         ///< area of the box around the image points
 
   Eigen::Index count() const { return template_px.rows(); }
   double diagonal_px() const { return std::hypot(box.width_px(), box.height_px()); }

@@ -9,9 +9,9 @@
 namespace weft::aem {
 namespace {
 
-constexpr double kTurnRad = 20.0 * std::numbers::pi / 180.0;  // sigma for a correct match
+constexpr double kTurnRad = 20.0 * std::numbers::pi / 180.0;  // sigma for an inlier
 constexpr double kLogScale = 0.3;                             // the same
-constexpr double kLogScaleRange = 2.77;  // of mismatches, evenly: a factor of 4 up and down
+constexpr double kLogScaleRange = 2.77;  // range of mismatches, evenly: a factor of 4 up and down
 constexpr double kLeastBias = -3.0;      // a bad keypoint does not make a match wrong
 
 }  // namespace

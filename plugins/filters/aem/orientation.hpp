@@ -5,8 +5,8 @@
 
 namespace weft::aem {
 
-/// Log of the odds that a keypoint turned and scaled like this is of a correct match where the warp
-/// has this slope.
+/// Log odds that a keypoint with this rotation and scale belongs to an inlier where the warp has
+/// this slope.
 double orientation_log_odds(double log_scale, double turn_rad, const Eigen::Matrix2d& slope);
 
 }  // namespace weft::aem

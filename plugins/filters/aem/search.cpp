@@ -9,9 +9,9 @@
 namespace weft::aem {
 namespace {
 
-constexpr double kWeakSeed = 0.5;   // of the best score, below which a seed is not annealed
-constexpr double kExplained = 0.8;  // of the matches that follow a seed
-constexpr double kFewFollow = 0.2;  // of the winner's matches, with which a seed is no rival
+constexpr double kWeakSeed = 0.5;   // share of the best score, below which a seed is not annealed
+constexpr double kExplained = 0.8;  // share of the matches that follow a seed
+constexpr double kFewFollow = 0.2;  // share of the winner's matches, with which a seed is no rival
 constexpr double kDistinctGap =
     0.1;  // mean gap between different warps, of the template's diagonal
 
@@ -70,7 +70,8 @@ class ObjectSearch {
     return best;
   }
 
-  /// Whether what follows a seed belongs to a solution already: then it would lead there again.
+  /// True if the matches that follow a seed belong to a solution already: then it would lead there
+  /// again.
   bool explained(const Start& start, double threshold_px, const Solution& solution) const {
     const Eigen::Array<bool, Eigen::Dynamic, 1> follows =
         (start.image_px - matches_.image_px).rowwise().norm().array() < threshold_px;

@@ -21,7 +21,7 @@ struct SearchOptions {
   double sure = 0.75;  ///< confidence from which the track is believed
 };
 
-/// The set of matches that is taken for the object, and what speaks against it.
+/// The set of matches that is taken for the object, and the evidence against it.
 struct Found {
   Solution solution;
   double scale = 1.0;       ///< [] image px per template px, of the start
@@ -31,8 +31,8 @@ struct Found {
   int draws = 0;
 };
 
-/// The coherent set of greatest likelihood. A set that starts from the track is preferred while
-/// there is one to be sure of. Nothing where no seed looks like a sheet.
+/// The coherent set of greatest likelihood. A set that starts from the track is preferred while a
+/// confident one exists. Nothing where no seed resembles a surface.
 std::optional<Found> find_object(const Matches& matches, const std::optional<Track>& track,
                                  const SearchOptions& options, Rng& rng);
 

@@ -19,7 +19,7 @@ Places places_of(const Correspondences& matches, std::int64_t i) {
           matches.image_px(i, 1)};
 }
 
-/// By place; of one place those with the least ratio first.
+/// Sorts by place; within one place, those with the least ratio first.
 void sort_by_place(const Correspondences& matches, std::vector<std::int64_t>& rows) {
   const auto or_zero = [](const Array<double>& values, std::int64_t i) {
     return values.present() ? values(i) : 0.0;

@@ -9,9 +9,9 @@
 
 namespace weft::filters {
 
-/// The matches that a filter judges: those that no filter before it has rejected, in an order that
-/// their coordinates decide, so that neither sums nor random draws depend on that of the matches.
-/// Matches from one place to one place are judged as one.
+/// The matches that a filter judges, without those that previous filters rejected. Their
+/// coordinates determine their order, so that neither sums nor random samples depend on the order
+/// of the matches. Matches from one place to one place are judged as one.
 struct Candidates {
   /// A match at both places of a candidate.
   struct Copy {

@@ -12,8 +12,9 @@ namespace weft::filters {
 /// that, rows end with -1.
 using Nearest = Eigen::Matrix<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Of the points whose index is in `among` (ascending; points outside it ask, but are not found).
-/// For evenly spread points the time grows with their number alone.
+/// The nearest points among those whose index is in `among` (ascending). All other points get
+/// neighbours too, but are not found. For evenly spread points the time grows with their number
+/// alone.
 Nearest nearest_of(const Points2& points, const std::vector<int>& among, int count);
 
 }  // namespace weft::filters

@@ -20,11 +20,11 @@ using weft::InlierMask;
 using weft::Points2;
 using weft::filters::Nearest;
 
-constexpr int kRounds = 3;      // of the first test
+constexpr int kRounds = 3;      // rounds of the first test
 constexpr double kFlat = 1e-9;  // pivot ratio below which neighbours are on a line
 constexpr int kFewestForAffine = 4;
 
-/// What the neighbours say of a match.
+/// The prediction of a match by its neighbours.
 struct Predicted {
   double residual = std::numeric_limits<double>::infinity();  ///< [] in spacings of neighbours
   double oriented = 0.0;  ///< [] share of triangles that keep their orientation
@@ -83,7 +83,7 @@ class Famouri final : public weft::Filter {
   }
 
  private:
-  /// Those that share neighbours in both images, of which those that do not are taken away.
+  /// Those that share neighbours in both images; the others are removed.
   std::vector<int> with_common_neighbours(const weft::filters::Candidates& candidates) const {
     std::vector<int> among(candidates.count());
     std::iota(among.begin(), among.end(), 0);

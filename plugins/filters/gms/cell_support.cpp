@@ -17,7 +17,7 @@ constexpr std::size_t kAround = 8;
 constexpr std::array<std::pair<int, int>, kAround> kRing{
     {{1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}, {0, -1}, {1, -1}}};
 
-/// A square number of cells over a picture.
+/// A square grid of cells over an image.
 struct Grid {
   int cells;
   double shift_u = 0.0, shift_v = 0.0;  ///< in cells
@@ -86,7 +86,7 @@ class Flows {
   std::size_t begin_of(int a) const { return first_[to_index(a)]; }
   std::size_t end_of(int a) const { return first_[to_index(a) + 1]; }
 
-  std::vector<std::size_t> first_;  // of each cell's targets
+  std::vector<std::size_t> first_;  // first target of each cell
   std::vector<int> to_, counts_;    // targets, ascending within a cell
   std::vector<int> matches_;        // in each cell
 };

@@ -23,7 +23,7 @@ constexpr int kTurns = 8;
 constexpr int kFewestCells = 3;
 constexpr int kFewestChosen = 8;  // in half as many, mismatches alone find support
 
-/// What each match is supported by under the best of the turns and scales.
+/// The support of each match under the best of the rotations and scales.
 struct Support {
   std::vector<double> of_match;
   std::int64_t kept = -1;
@@ -67,7 +67,7 @@ class Gms final : public weft::Filter {
           "too few matches for statistics of cells: " + std::to_string(candidates->count()) +
           " of " + std::to_string(least_matches_));
     }
-    // Pixel centres are integers: the pictures begin at -0.5.
+    // Pixel centres are integers: the images begin at -0.5.
     const Points2 p = (candidates->template_px.array() + 0.5).matrix() *
                       sizes->template_px.cwiseInverse().asDiagonal();
     const Points2 q =
@@ -89,7 +89,7 @@ class Gms final : public weft::Filter {
   }
 
  private:
-  /// The statistic is of the matches in a cell: a grid for many is too fine for few.
+  /// The statistic uses the matches in a cell: a grid for many is too fine for few.
   int cells_for(std::size_t matches) const {
     if (matches_per_cell_ == 0.0) return most_cells_;
     const double side = std::sqrt(static_cast<double>(matches) / matches_per_cell_);

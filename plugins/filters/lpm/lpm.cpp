@@ -78,7 +78,7 @@ class Lpm final : public weft::Filter {
   }
 
  private:
-  /// Of each match, 0 where neighbours and motions agree, 2 where neither does.
+  /// Costs of each match, 0 where neighbours and motions agree, 2 where neither does.
   std::vector<double> costs(const Points2& p, const Points2& q,
                             const std::vector<int>& among) const {
     const int most = neighbours_ + kScaleStep;

@@ -48,7 +48,7 @@ class Consensus {
   const std::vector<std::int64_t>& candidates() const { return candidates_; }  ///< [m] matches
   const std::vector<double>& mismatch_percent() const { return mismatch_; }    ///< [m]
   const std::vector<double>& distance_px() const { return distance_px_; }      ///< [m]
-  Stage stage(std::size_t k) const;                                            ///< of candidate k
+  Stage stage(std::size_t k) const;                                            ///< for candidate k
   const Selection& selection() const { return selection_; }
   const Trim& trim() const { return trim_; }
   const Points2& vertices_px() const { return vertices_px_; }  ///< [V,2] the warped mesh
@@ -72,9 +72,9 @@ class Consensus {
   const Options& options_;
   const WarpComponent& warp_;
   std::vector<std::int64_t> candidates_;
-  Points2 template_px_, image_px_;  // of the candidates
+  Points2 template_px_, image_px_;  // points of the candidates
   std::vector<double> mismatch_, distance_px_;
-  Selection selection_;  // of the candidates
+  Selection selection_;  // selection among the candidates
   Trim trim_;
   NeighbourSets in_template_, in_image_;
   Array<std::uint8_t> used_;  // [N], of all matches

@@ -13,8 +13,8 @@ using namespace weft::myneighbor;
 using weft::FilterInput;
 using weft::InlierMask;
 
-constexpr double kFoldedShare = 0.2;      // of the faces, above which the warp is suspicious
-constexpr double kSmallestObject = 0.02;  // of the image's diagonal
+constexpr double kFoldedShare = 0.2;      // share of the faces, above which the warp is suspicious
+constexpr double kSmallestObject = 0.02;  // share of the image's diagonal
 
 /// Keeps the matches that agree with a warp fitted to those whose Delaunay neighbours in template
 /// and image are mostly the same (Shetab-Bushehri et al. 2023, Section V).
@@ -50,7 +50,8 @@ class MyNeighbor final : public weft::Filter {
     p.choice(
         "transfer", o.transfer, {{"mesh", Transfer::mesh}, {"warp", Transfer::warp}},
         "mapping of template points to the image; mesh: the warped mesh; warp: the warp itself");
-    p.read("weighted_fit", o.weighted_fit, "fit weights that decrease with the mismatch factor");
+    p.read("weighted_fit", o.weighted_fit,
+           "weights of the fit that decrease with the mismatch factor");
     p.choice("refinement", o.refinement, {{"off", Refinement::off}, {"irls", Refinement::irls}},
              "refinement of the warp; off: none; irls: robust refits to all matches");
     p.read("irls_scales_px", o.irls_scales_px, "px", {0.01, 1e4},
@@ -79,8 +80,8 @@ class MyNeighbor final : public weft::Filter {
     return size_px * (options_.mode == Mode::paper ? options_.alpha_s : options_.authors_alpha_s);
   }
 
-  /// Whether candidate k is kept, and its score, which is above 1/2 for what step III keeps; where
-  /// step I judges, it is 1 less the mismatch factor.
+  /// True if candidate k is kept, and its score, which is above 1/2 for candidates that step III
+  /// keeps. Where step I decides, the score is 1 less the mismatch factor.
   std::pair<bool, double> verdict(std::size_t k, double threshold_px) const {
     const Stage stage = consensus_.stage(k);
     const double mismatch_percent = consensus_.mismatch_percent()[k];

@@ -27,9 +27,9 @@ struct Site {
 };
 constexpr int kStepBits = 30;
 
-/// The nearest points of the grid, of which the larger half-extent has 2^29 to 2^30 steps, a power
-/// of two each: what is on it, such as whole pixels, stays where it is. None where all points are
-/// in one place.
+/// The nearest points of a grid, where the larger half-extent has 2^29 to 2^30 steps, a power of
+/// two each. Points on the grid, such as whole pixels, stay unchanged. None where all points are in
+/// one place.
 std::optional<std::vector<Site>> on_grid(const Points2View& points) {
   if (points.rows() == 0) return std::nullopt;
   const Eigen::RowVector2d low = 0.5 * points.colwise().minCoeff();
@@ -68,8 +68,8 @@ std::vector<Site> unique_sites(const std::vector<Site>& sites,
   return different;
 }
 
-/// Whether all sites, sorted, are within two steps of a line: as near as the points of any line are
-/// to it once they are moved to the grid.
+/// True if all sites, sorted, are within two steps of a line. Rounding to the grid moves the points
+/// of any line by no more than that.
 bool on_a_line(const std::vector<Site>& sites) {
   const auto arm = [](const Site& from, const Site& to) {
     return Eigen::Vector2d(static_cast<double>(to.x) - from.x, static_cast<double>(to.y) - from.y);

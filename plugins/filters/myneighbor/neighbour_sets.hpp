@@ -9,9 +9,10 @@
 
 namespace weft::myneighbor {
 
-/// The 1-ring of each point in the Delaunay triangulation of the different points, without the
-/// diagonals of what has four or more corners on one circle, of which a triangulation takes any.
-/// Points in one place share a vertex of the triangulation and are each other's neighbours.
+/// The 1-ring of each point in the Delaunay triangulation of the different points. Polygons with
+/// four or more corners on one circle have no diagonals, because a triangulation chooses these
+/// arbitrarily. Points in one place share a vertex of the triangulation and are each other's
+/// neighbours.
 struct NeighbourSets {
   std::vector<std::int32_t> vertex_of;  ///< [n] vertex of each point
   std::vector<std::int32_t> offsets;    ///< [vertices+1] where each set starts in `items`
@@ -25,10 +26,10 @@ struct NeighbourSets {
   }
 };
 
-/// Fills `sets` for finite points [n,2], exactly, once they are moved to the nearest points of a
-/// grid whose step is a power of two and at most 2^-30 of their extent: 2^-20 px for 1024 px. The
-/// answer depends neither on the order of the points nor on how a regular grid of them is turned.
-/// False, without an answer, when they all lie on a line, to two steps.
+/// Fills `sets` for finite points [n,2], exactly after rounding to a grid. The step of the grid is
+/// a power of two and at most 2^-30 of the points' extent: 2^-20 px for 1024 px. The result depends
+/// neither on the order of the points nor on the rotation of a regular grid of them. Returns false,
+/// without a result, when all points lie on a line, to two steps.
 bool build_neighbour_sets(const Points2View& points, NeighbourSets& sets);
 
 /// How much of point i's neighbourhood changed: 100 |P xor Q| / |P union Q| without i itself, or

@@ -23,7 +23,7 @@ struct Heaps {
   Eigen::ArrayXd count;  ///< empty: each once
 };
 
-/// In place of each point the mean of those in its cell. A distance to it is right to first order,
+/// Replaces each point by the mean of those in its cell. A distance to it is right to first order,
 /// so that the mean over all pairs is off by about 1e-4 of itself.
 Heaps heaps_of(const Points2View& points) {
   const Eigen::RowVector2d low = points.colwise().minCoeff();

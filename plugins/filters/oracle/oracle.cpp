@@ -14,12 +14,13 @@ using weft::Array;
 using weft::FilterInput;
 using weft::InlierMask;
 
-/// Keeps the matches that the truth calls correct: the best that any filter could do. What an
-/// earlier filter rejected stays rejected; its label counts and scores as any other.
+/// Keeps the matches that the ground truth labels as inliers: the upper bound of any filter.
+/// Matches that an earlier filter rejected stay rejected; their labels count and score as any
+/// others.
 class Oracle final : public weft::Filter {
  public:
   static constexpr weft::About kAbout{
-      .reference = "own: Shetab-Bushehri et al. 2023, ROBUSfT, Sections V and VI (correct matches)",
+      .reference = "own: Shetab-Bushehri et al. 2023, ROBUSfT, Sections V and VI (inliers)",
       .needs = "template camera ground_truth",
       .uses_truth = true};
 

@@ -21,16 +21,16 @@ using filters::Nearest;
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kTrustedSigmas = 2.5;
-constexpr double kSmoothing = 0.1;       // of the local splines
+constexpr double kSmoothing = 0.1;       // smoothing of the local splines
 constexpr double kLargestRemoval = 0.2;  // share of the matches that a round may remove
 constexpr double kLeastAgreement = 0.5;  // share of the neighbourhoods
 constexpr int kFewestForSpline = 5;
 constexpr int kWider = 3;  // as many neighbours where the nearest predict nothing
 
-/// What a neighbourhood says.
+/// The result of a neighbourhood.
 struct Opinion {
-  double residual = kUnknown;        ///< of the match in its middle
-  std::vector<std::uint8_t> agrees;  ///< of its neighbours
+  double residual = kUnknown;        ///< residual of the match in its middle
+  std::vector<std::uint8_t> agrees;  ///< 1 for each neighbour that agrees
 };
 
 class Neighbourhoods {
@@ -38,7 +38,7 @@ class Neighbourhoods {
   Neighbourhoods(const Points2& p, const Points2& q, const Settings& settings, bool with_splines)
       : p_(p), q_(q), settings_(settings), with_splines_(with_splines) {}
 
-  /// What the matches `row`, -1 for none, say of match i and of each other.
+  /// The result of the matches `row`, -1 for none, for match i and for each other.
   Opinion opinion(int i, const Eigen::Ref<const Eigen::RowVectorXi>& row) {
     const auto count = static_cast<int>((row.array() >= 0).count());
     Opinion opinion;
@@ -150,7 +150,8 @@ class Assembly {
   }
 
  private:
-  /// More neighbours where the nearest lie on a line; the nearest are asked whether they agree.
+  /// Uses more neighbours where the nearest lie on a line; the nearest are still tested for
+  /// agreement.
   void ask_further(const std::vector<int>& among, const std::vector<int>& silent) {
     const Nearest wide = filters::nearest_of(p_, among, kWider * settings_.neighbours);
     for (const int i : silent) {

@@ -13,7 +13,7 @@ struct Settings {
   double theta = 0.3;   ///< largest residual of a match that agrees
   int neighbours = 10;  ///< nearest matches in the template that predict one
   int triples = 12;     ///< maps tried for each match
-  int rounds = 10;      ///< of removal
+  int rounds = 10;      ///< rounds of removal
 };
 
 /// Which matches their neighbours predict.
@@ -25,10 +25,9 @@ struct Verdict {
   int rounds = 0;
 };
 
-/// Rejection by local smoothness (after Pizarro and Bartoli 2012, Section 3), places in px: rounds
-/// that remove the matches which most neighbourhoods, their own and those they are in, disagree
-/// with, a fifth at most each; then all matches are judged by the nearest of those that are left.
-/// Needs 4 matches.
+/// Rejection by local smoothness (after Pizarro and Bartoli 2012, Section 3), places in px. Rounds
+/// remove the matches that contradict most neighbourhoods, their own and those that contain them,
+/// at most a fifth each. Then the nearest remaining matches decide on all matches. Needs 4 matches.
 Verdict locally_smooth(const Points2& in_template, const Points2& in_image,
                        const Settings& settings);
 

@@ -20,7 +20,7 @@ using weft::pizarro::Verdict;
 constexpr std::size_t kFewestMatches = 4;
 constexpr int kOcclusionRounds = 2;
 
-/// Keeps the matches that their neighbours predict, on the part of the sheet that does not hide
+/// Keeps the matches that their neighbours predict, on the part of the surface that does not hide
 /// behind another.
 class Pizarro final : public weft::Filter {
  public:

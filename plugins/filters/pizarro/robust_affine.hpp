@@ -21,7 +21,7 @@ std::vector<Triple> spread_triples(int count, int wanted);
 struct RobustAffine {
   Eigen::RowVector2d from_px, to_px;  ///< to = to_px + (p - from_px) slope
   Eigen::Matrix2d slope;
-  double sigma_px = 0.0;  ///< of those that agree
+  double sigma_px = 0.0;  ///< standard deviation of the matches that agree
 
   Eigen::RowVector2d operator()(const Eigen::RowVector2d& p) const {
     return to_px + (p - from_px) * slope;

@@ -18,12 +18,12 @@ constexpr int kControlU = 16, kControlV = 12;
 constexpr double kMarginPx = 20.0;
 constexpr double kBendingPx2 = 500.0;
 constexpr int kColumns = 40;         // cells along the texture's width
-constexpr double kContracted = 0.2;  // of the median at the matches
-constexpr double kLeastDet = 0.05;   // of that median: m
+constexpr double kContracted = 0.2;  // share of the median at the matches
+constexpr double kLeastDet = 0.05;   // share of that median: m
 constexpr double kFoldedPx = 10.0;   // off all matches: what mu = 1 makes a fold cost
 constexpr int kStages = 4, kSteps = 5, kHalvings = 6;
 constexpr double kFirstMu = 1e-2, kMuGrowth = 10.0;
-constexpr double kRidge = 1e-9;  // of the largest diagonal element
+constexpr double kRidge = 1e-9;  // share of the largest diagonal element
 
 using Control = Eigen::Matrix<double, Eigen::Dynamic, 2>;  // [nu*nv] px
 
@@ -75,7 +75,7 @@ class ShrinkingWarp {
 
   Determinant determinant(const Place& place) const { return determinant(place, control_); }
 
-  /// Contracts what is folded, `median_det` being that of the plain fit, with the sheet's side.
+  /// Contracts folded parts, `median_det` being that of the plain fit, with the surface's side.
   void shrink(const std::vector<Place>& places, double median_det) {
     double mu = kFirstMu;
     for (int stage = 0; stage < kStages; ++stage) {
@@ -225,7 +225,8 @@ std::optional<HiddenMap> hidden_by_itself(const Points2& in_template, const Poin
           place_at(domain, (c + 0.5) * map.cell_px - 0.5, (r + 0.5) * map.cell_px - 0.5));
     }
   }
-  // What is usual is so where the sheet is seen: the hidden part may be large.
+  // The usual values come from places where the surface is visible, because the hidden part may be
+  // large.
   std::vector<double> determinants, stretches;
   for (Eigen::Index k = 0; k < in_template.rows(); ++k) {
     const Determinant det =

@@ -11,9 +11,9 @@
 namespace weft::tran {
 namespace {
 
-constexpr double kLeastArea = 1e-4;   // of a triangle, doubled, in normalised coordinates
-constexpr double kCollinear = 1e-12;  // of a scatter: determinant over squared trace
-constexpr double kMissed = 0.01;      // probability that a better plane is not drawn
+constexpr double kLeastArea = 1e-4;   // area of a triangle, doubled, in normalised coordinates
+constexpr double kCollinear = 1e-12;  // measure of a scatter: determinant over squared trace
+constexpr double kMissed = 0.01;      // probability to miss a better plane
 
 Eigen::Matrix<double, 4, 2> normals_of(const Eigen::Matrix2d& slope, Residual residual) {
   Eigen::Matrix<double, 4, 2> normals;
@@ -25,7 +25,8 @@ Eigen::Matrix<double, 4, 2> normals_of(const Eigen::Matrix2d& slope, Residual re
   return normals;
 }
 
-/// Draws after which a triple of agreeing matches was drawn, but for kMissed.
+/// Samples after which a triple of agreeing matches was drawn at random, except with the
+/// probability kMissed.
 double draws_for(double agreeing_share) {
   const double triple = agreeing_share * agreeing_share * agreeing_share;
   if (triple >= 1.0) return 1.0;

@@ -16,9 +16,9 @@ using MatchPoints = Eigen::Matrix<double, Eigen::Dynamic, 4>;
 enum class Residual { orthogonal, regression };
 
 /// A plane in the space of matches, which is an affine map between the images (Tran et al. 2012,
-/// Section 3): (x - origin) normals = 0. The distance of x is |(x - origin) normals|, orthogonal
-/// to the plane where the normals are orthonormal, in the image where they are [M; -I], M the
-/// slope of the map.
+/// Section 3): (x - origin) normals = 0. The distance of x is |(x - origin) normals|. Where the
+/// normals are orthonormal, it is orthogonal to the plane. Where they are [M; -I], with M the slope
+/// of the map, it is a distance in the image.
 struct MatchPlane {
   Eigen::RowVector4d origin = Eigen::RowVector4d::Zero();
   Eigen::Matrix<double, 4, 2> normals = Eigen::Matrix<double, 4, 2>::Zero();
@@ -31,7 +31,7 @@ struct Search {
   Residual residual = Residual::orthogonal;
   double limit = 0.1;  ///< distance up to which a match agrees
   int most_draws = 1000;
-  bool keep_orientation = true;  ///< the map must keep the sheet's side towards the camera
+  bool keep_orientation = true;  ///< the map must keep the surface's side towards the camera
 };
 
 /// The plane through three matches, or nothing where they are on a line in either image or the map

@@ -21,7 +21,8 @@ using weft::tran::Residual;
 
 constexpr int kRefits = 3;
 constexpr Eigen::Index kFewAgreeing = 6;
-constexpr double kInnerPercent = 10.0;  // of coordinates are beyond the first extent at each side
+constexpr double kInnerPercent = 10.0;  // percentiles of the coordinates between which the first
+                                        // extent lies
 
 /// Keeps the matches near one affine map, within a bound so wide that it holds the bent surface.
 class Tran final : public weft::Filter {

@@ -15,8 +15,8 @@ constexpr double kLeastProbability = 1e-5;
 constexpr double kLeastVariance = 1e-8;
 constexpr double kLeastShare = 0.05, kLargestShare = 0.95;
 constexpr double kConverged = 1e-5;        // relative change of the energy
-constexpr double kLeastEigenvalue = 1e-9;  // of the kernels, of the largest
-constexpr double kRidge = 1e-14;           // of the trace
+constexpr double kLeastEigenvalue = 1e-9;  // share of the largest eigenvalue of the kernels
+constexpr double kRidge = 1e-14;           // share of the trace
 
 Eigen::MatrixXd kernels(const Points2& a, const Points2& b, double beta) {
   Eigen::MatrixXd values(a.rows(), b.rows());
@@ -27,8 +27,8 @@ Eigen::MatrixXd kernels(const Points2& a, const Points2& b, double beta) {
   return values;
 }
 
-/// What the kernels span but for rounding, as the values at the places [n,r] of fields whose
-/// roughness is the squared norm of their coefficients: with K = Q S Q^T, c = Q S^-1/2 d.
+/// The span of the kernels up to rounding, as the values at the places [n,r] of fields. The
+/// roughness of a field is the squared norm of its coefficients: with K = Q S Q^T, c = Q S^-1/2 d.
 Eigen::MatrixXd fields_of(const Points2& places, const Points2& centres, double beta) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(kernels(centres, centres, beta));
   const Eigen::VectorXd& eigenvalues = modes.eigenvalues();  // ascending
@@ -39,7 +39,8 @@ Eigen::MatrixXd fields_of(const Points2& places, const Points2& centres, double 
   return kernels(places, centres, beta) * whitened;
 }
 
-/// That a match with this residual is correct, not one of mismatches spread over an area.
+/// Probabilities that a match with this residual is an inlier, not one of mismatches spread over an
+/// area.
 Eigen::VectorXd probabilities(const Eigen::ArrayXd& residual2, double variance, double gamma,
                               double area) {
   const double mismatch = 2.0 * std::numbers::pi * variance * (1.0 - gamma) / (gamma * area);

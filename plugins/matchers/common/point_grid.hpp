@@ -34,7 +34,7 @@ class PointGrid {
     std::size_t count = 0;
     const int last = row(place.y() + radius);
     for (int y = row(place.y() - radius); y <= last; ++y) {
-      // Of this row of cells, those that the circle reaches; the outer rows hold all beyond them.
+      // Points of this row of cells that the circle reaches; the outer rows hold all beyond them.
       const double low = low_.y() + y * cell_, high = low + cell_;
       const bool is_outer = y == 0 || y == rows_ - 1;
       const double off = is_outer ? 0.0 : std::max({low - place.y(), place.y() - high, 0.0});

@@ -21,8 +21,8 @@ struct Match {
 /// Keeps one match for each image point; image keypoints at the same place are one point.
 void keep_one_per_image_point(std::vector<Match>& matches);
 
-/// Merges matches both of whose points lie within `radius_px` of those of a better one; 0 does
-/// nothing.
+/// Merges each match into a better one where both of its points lie within `radius_px` of the
+/// other's; 0 does nothing.
 void merge_duplicates(double radius_px, std::vector<Match>& matches);
 
 }  // namespace weft::matchers

@@ -12,14 +12,14 @@ namespace weft::matchers {
 /// Which keypoints look for their nearest among the others.
 enum class Direction { template_to_image, image_to_template };
 
-/// Who looks for whom; the keypoints borrow from the call's input.
+/// The queries and the trains of a search; the keypoints borrow from the call's input.
 struct Sides {
   Keypoints templ, image;
   Keypoints queries, trains;
 };
 
-/// What a search found for a query: its nearest train, and how far that and the nearest one
-/// elsewhere are.
+/// The result of a search for a query: its nearest train, and the distances of that and of the
+/// nearest one elsewhere.
 struct Neighbours {
   int query, train;
   double distance, second_distance;
@@ -35,7 +35,7 @@ class RatioMatching {
   /// The two sides of a search; no_result or an Error where there is nothing to search.
   Result<Sides> sides(const MatcherInput& in);
 
-  /// Whether the template's keypoints are the queries.
+  /// True if the template's keypoints are the queries.
   bool forward() const { return direction_ == Direction::template_to_image; }
   double ratio() const { return ratio_; }
   bool mutual() const { return mutual_; }
@@ -43,7 +43,7 @@ class RatioMatching {
   /// The second nearest train is farther than this from the nearest; 0: any other.
   double elsewhere_px() const { return second_best_radius_px_; }
 
-  /// The matches among findings, which have passed the mutual test where it is asked for.
+  /// The matches among findings, which have passed the mutual test if it is enabled.
   Result<Correspondences> answer(const Sides& sides, const std::vector<Neighbours>& found);
 
  private:

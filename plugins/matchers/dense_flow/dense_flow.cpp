@@ -171,10 +171,10 @@ class DenseFlow final : public Matcher {
     return matches;
   }
 
-  /// Whether the image is the texture and not a view of the object: matches are at the same
-  /// places of both, as no camera sees a sheet.
+  /// True if the image is the texture and not a view of the object. Matches then have the same
+  /// places in both, as in no view of a surface.
   bool shows_texture_itself(const Correspondences& matches) const {
-    constexpr double kSame = 0.002;  // of the width and of the height
+    constexpr double kSame = 0.002;  // share of the width and of the height
     const view::Picture& image = image_.level(0);
     const Eigen::Array2d image_px(image.width, image.height);
     double off = 0.0;
@@ -194,8 +194,8 @@ class DenseFlow final : public Matcher {
     return (scale() * (place.array() + 0.5) - 0.5).matrix();
   }
 
-  /// Median distance [px] of kept matches from where the flow says that they are; nothing where
-  /// too few can be compared.
+  /// Median distance [px] of kept matches from their places by the flow; nothing where too few can
+  /// be compared.
   std::optional<double> disagreement_px(const std::vector<Correspondences>& others) {
     constexpr std::size_t kFewest = 8;
     distances_px_.clear();
@@ -216,7 +216,7 @@ class DenseFlow final : public Matcher {
     return median_in_place(distances_px_);
   }
 
-  /// The texel that a node of the grid shows; its face must have been drawn.
+  /// The texel that a node of the grid shows; its face must have been rendered.
   Eigen::RowVector2d texel_of(std::int32_t face, const Eigen::Vector3d& weights) const {
     Eigen::RowVector2d texel = Eigen::RowVector2d::Zero();
     for (int k = 0; k < 3; ++k) texel += weights[k] * flat_px_.row(faces_(face, k));

@@ -15,7 +15,7 @@ using view::Patch;
 using view::Picture;
 using view::ViewLevel;
 
-constexpr float kReach_px = 5.0F;  // of the level, from where a search begins
+constexpr float kReach_px = 5.0F;  // px of the level, from the place where a search begins
 constexpr float kAlike = 0.5F;     // correlation at coarse levels of a patch that leads finer ones
 constexpr int kCoarseSpacing_px = 4;  // at most, where displacements are only led on
 constexpr int kFewestNeighbours = 3;
@@ -53,7 +53,8 @@ void FlowGrid::find(const view::PredictedView& view, const view::Pyramid& image,
   }
 }
 
-/// Shares rows out by their number: who takes which does not depend on how fast others are.
+/// Assigns rows to threads by their number, so that the assignment does not depend on the speed of
+/// the threads.
 void FlowGrid::run(int rows, Workers& workers, int threads,
                    const std::function<void(int, int)>& row) {
   const int count = std::clamp(threads, 1, std::max(rows, 1));
@@ -132,7 +133,7 @@ void FlowGrid::search(const view::PredictedView& view, const view::Pyramid& imag
   if (!comes_back(view.level(level), picture, column, row, patch)) node.fate = Fate::one_way;
 }
 
-/// Whether the piece of the image that was found is found in the view where it came from.
+/// True if the found piece of the image is found again at its origin in the view.
 bool FlowGrid::comes_back(const ViewLevel& view, const Picture& image, int column, int row,
                           Patch& patch) const {
   const Eigen::Vector2i place = grid_.place_px(column, row);
@@ -149,7 +150,7 @@ bool FlowGrid::comes_back(const ViewLevel& view, const Picture& image, int colum
   return off.norm() <= static_cast<float>(options_.max_round_trip_px);
 }
 
-/// What moved otherwise than the median of what was found around it.
+/// Rejects nodes whose motion differs from the median of the found nodes around them.
 void FlowGrid::reject_astray() {
   astray_.assign(grid_.nodes.size(), 0);
   std::array<float, 9> dx{}, dy{};

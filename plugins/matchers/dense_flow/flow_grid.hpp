@@ -15,9 +15,9 @@
 
 namespace weft::dense_flow {
 
-/// What became of a node.
+/// The state of a node after the search.
 enum class Fate : std::uint8_t {
-  hidden,   ///< its patch is not wholly on the sheet, or leads out of the image
+  hidden,   ///< its patch is not completely on the surface, or leads out of the image
   flat,     ///< its patch has no structure along some direction
   unlike,   ///< the image does not look like its patch, or the search did not converge
   one_way,  ///< from its place in the image the search leads elsewhere
@@ -30,7 +30,8 @@ inline constexpr int kFates = 6;
 struct Node {
   Eigen::Vector2f by_px = Eigen::Vector2f::Zero();
   float correlation = 0.0F;
-  float correlation_before = 0.0F;  ///< of the view with the image as predicted; finest level
+  float correlation_before = 0.0F;  ///< correlation of the view with the image as predicted; finest
+                                    ///< level
   Eigen::Matrix2f covariance_px2 = Eigen::Matrix2f::Zero();
   Fate fate = Fate::hidden;
 };
@@ -42,10 +43,10 @@ struct FlowOptions {
   double max_deviation_px = 2.0;   ///< [] px of each level, from the median of the neighbours
 };
 
-/// The displacement between a predicted view and an image, at the nodes of a grid: in the manner of
-/// Kroeger et al., Fast optical flow using dense inverse search, ECCV 2016, patches are found by
-/// inverse compositional steps from coarse to fine. Each level begins where the one before led.
-/// What comes out does not depend on the number of workers.
+/// The displacement between a predicted view and an image, at the nodes of a grid. Inverse
+/// compositional steps find patches from coarse to fine (after Kroeger et al., Fast optical flow
+/// using dense inverse search, ECCV 2016). Each level starts from the result of the previous one.
+/// The result does not depend on the number of workers.
 class FlowGrid {
  public:
   /// Begins with the displacement `start_px` (px of the image) and ends at the view's finest level.
@@ -56,7 +57,7 @@ class FlowGrid {
   int columns() const { return grid_.columns; }
   int rows() const { return grid_.rows; }
   const Node& node(int column, int row) const { return grid_.at(column, row); }
-  /// Of a node, in px of the finest level of the image: a whole pixel.
+  /// Place of a node, in px of the finest level of the image: a whole pixel.
   Eigen::Vector2i place_px(int column, int row) const { return grid_.place_px(column, row); }
   /// The found node nearest to a place (px of the finest level), of those around it; null: none.
   const Node* nearest_found(const Eigen::Vector2d& place_px) const;

@@ -15,7 +15,8 @@ constexpr double kAlikeContrast = 0.5;
 constexpr double kLeastContrast = 10.0;  // grey levels
 constexpr double kSamplesAlongCell = 12.0;
 constexpr double kFewestSamples = 16.0;
-// Where the image has so much less contrast than usual, something covers the texture.
+// Where the contrast of the image is below this share of the usual one, an object covers the
+// texture.
 constexpr double kCovered = 0.3, kWeightOfCovered = 0.2;
 
 }  // namespace

@@ -12,20 +12,20 @@
 
 namespace weft::dense_flow {
 
-/// How much of what the texture shows is in the image where a shape says. Counted in square cells
-/// of the texture, 48 along its diagonal: a cell is unlike if its drawn and its seen grey levels
-/// correlate by less than 0.5, and weighs as much as its drawn pixels differ from their mean, so
-/// that blank parts do not count. Where the image has less than 0.3 of its usual contrast, in
-/// median over the cells, something smooth covers the texture, such as a hand: what is hidden
-/// counts a fifth.
+/// The share of the visible texture that the image shows at the place that a shape predicts. It is
+/// counted in square cells of the texture, 48 along its diagonal. A cell is unlike if its rendered
+/// and its seen grey levels correlate by less than 0.5. Its weight is the contrast of its rendered
+/// pixels, so that blank parts do not count. If the image has less than 0.3 of its usual contrast,
+/// in median over the cells, a smooth object such as a hand covers the texture. Hidden cells then
+/// count a fifth.
 class Likeness {
  public:
   /// The texel [px] that a pixel of the level shows.
   using TexelAt = std::function<Eigen::RowVector2d(int x, int y)>;
 
-  /// Share [] 0 to 1 of the contrast that is in unlike cells; 0 where nothing has contrast. `view`
-  /// has faces, `image` is of the same level and is looked at `shift_px` away; `flat_px` [V,2] are
-  /// the texels of the vertices.
+  /// Share [] 0 to 1 of the contrast in unlike cells; 0 where nothing has contrast. `view` has
+  /// faces, and `image` has the same level and is read `shift_px` away; `flat_px` [V,2] are the
+  /// texels of the vertices.
   double unlike_share(const view::ViewLevel& view, const view::Picture& image,
                       const Eigen::Vector2d& shift_px, const Points2& flat_px,
                       const TexelAt& texel_at);

@@ -22,7 +22,7 @@ bool NearestSearch::for_each_row(CoarseDistances& distances, const std::vector<i
   const int length = distances.row_length();
   const Shares shares{static_cast<int>(queries.size()), kBlockQueries, threads};
   if (benches_.size() < to_index(shares.workers())) benches_.resize(to_index(shares.workers()));
-  if (cancelled()) return false;  // other threads may leave the caller's nothing to ask between
+  if (cancelled()) return false;  // the caller's thread may get no block
   return share_out(workers_, shares, [&](int worker, int begin, int end) {
     if (worker == 0 && cancelled()) return false;
     Bench& bench = benches_[to_index(worker)];
@@ -37,7 +37,7 @@ bool NearestSearch::for_each_row(CoarseDistances& distances, const std::vector<i
   });
 }
 
-/// Asks of each train that is a best for its nearest query.
+/// Checks for each train that is a best its nearest query.
 bool NearestSearch::keep_mutual(CoarseDistances& distances, int threads,
                                 const std::function<bool()>& cancelled) {
   best_query_.assign(to_index(distances.trains()), -1);

@@ -27,15 +27,15 @@ class NearestSearch {
     int threads = 1;
   };
 
-  /// `places` [T,2] px of the trains. False when `cancelled`, asked on the caller's thread, said
-  /// so.
+  /// `places` [T,2] px of the trains. Returns false when `cancelled`, called on the caller's
+  /// thread, returns true.
   bool run(matchers::CoarseDistances& distances, const Array<double>& places,
            const Options& options, const std::function<bool()>& cancelled);
 
   const std::vector<Nearest>& nearest() const { return nearest_; }
 
  private:
-  /// What one thread works with.
+  /// The buffers of one thread.
   struct Bench {
     matchers::CoarseDistances::Scratch scratch;
     std::vector<std::int16_t> codes;

@@ -24,8 +24,8 @@ void CircleSearch::lay_out(const std::vector<Eigen::Vector2d>& in_image, double 
              [&](int i) { return in_image[to_index(placed_[to_index(i)])]; });
 }
 
-/// Calls visit(bench, query) for each query, on several threads. Where the caller's is told to
-/// stop, the others end with the queries that they have.
+/// Calls visit(bench, query) for each query, on several threads. When the caller's thread is
+/// cancelled, the others end after their current queries.
 template <class Visit>
 void CircleSearch::for_each_query(const Options& options, Visit&& visit) {
   constexpr int kAtOnce = 32;
@@ -94,7 +94,7 @@ void CircleSearch::add_rivals(const CoarseDistances& distances, int query, const
   }
 }
 
-/// Asks of each best for its nearest query in the circle around it.
+/// Checks for each best its nearest query in the circle around it.
 void CircleSearch::keep_mutual(CoarseDistances& distances, const SidePlaces& queries,
                                const SidePlaces& trains, const Options& options) {
   lay_out(queries.in_image, options.radius_px);

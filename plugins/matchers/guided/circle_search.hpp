@@ -11,8 +11,8 @@
 
 namespace weft::guided {
 
-/// Where the descriptors of one side are taken to be in the image [px], NaN where that is not
-/// known, and where on their own side, in the template or in the image [px].
+/// The places of the descriptors of one side. Predicted places are in the image [px], NaN where
+/// unknown; the others are on the side itself, in the template or image [px].
 struct SidePlaces {
   std::vector<Eigen::Vector2d> in_image;
   std::vector<Eigen::Vector2d> at_home;
@@ -29,7 +29,7 @@ struct SidePlaces {
 class CircleSearch {
  public:
   struct Options {
-    double radius_px = 30.0;    ///< of the circles
+    double radius_px = 30.0;    ///< radius of the circles
     double elsewhere_px = 0.0;  ///< the second is farther than this from the best; 0: any other
     int least_rivals = 0;       ///< a best is compared with at least as many trains
     double ratio = 1.0;         ///< queries that do not pass this may have no best
@@ -42,7 +42,7 @@ class CircleSearch {
                                             const Options& options);
 
  private:
-  /// What one thread works with.
+  /// The buffers of one thread.
   struct Bench {
     std::vector<int> in_reach;  ///< trains in the circle
     std::vector<std::int16_t> codes, rival_codes;

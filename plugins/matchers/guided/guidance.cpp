@@ -12,7 +12,8 @@
 namespace weft::guided {
 namespace {
 
-/// Matches are compared with those in the same of so many parts along each side of the template.
+/// Matches are compared with those in the same part, with this many parts along each side of the
+/// template.
 constexpr int kParts = 4;
 
 int part_of(double value, double low, double high) {

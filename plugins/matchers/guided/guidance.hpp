@@ -7,7 +7,7 @@
 
 namespace weft::guided {
 
-/// Why the whole image was searched; the number is what diag.fallback says.
+/// The reason why the whole image was searched; the number is the value of diag.fallback.
 enum class Fallback {
   none = 0,
   no_previous_shape = 1,
@@ -16,11 +16,11 @@ enum class Fallback {
   few_agree = 4,      ///< too few matches near the predicted places agree with each other
 };
 
-/// Whether the inputs say where to look, by a previous shape of at least this confidence.
+/// Decides whether the inputs predict places, by a previous shape of at least this confidence.
 Fallback fallback_before(const MatcherInput& in, double least_confidence);
 
-/// Where each template keypoint [K] lies in the image if the sheet has not moved: its point of the
-/// previous shape, projected. NaN for one on no face of the mesh or not in front of the camera.
+/// The place of each template keypoint [K] in the image if the surface has not moved: its point of
+/// the previous shape, projected. NaN for one on no face of the mesh or not in front of the camera.
 std::vector<Eigen::Vector2d> predicted_places(const Keypoints& template_keypoints,
                                               const Template& templ, const Camera& camera,
                                               const Shape& previous);

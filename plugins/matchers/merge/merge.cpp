@@ -52,7 +52,7 @@ class Merge final : public Matcher {
     if (matches.empty()) return no_result("no matches to merge: all inputs are empty");
     if (in.correspondences.size() == 1) {
       Correspondences only = in.correspondences.front();
-      only.diag = {};  // what its matcher said of itself
+      only.diag = {};  // the diagnostics of its matcher alone
       return only;
     }
     keep_distinct(matches);
@@ -109,8 +109,8 @@ class Merge final : public Matcher {
     return out;
   }
 
-  /// Keypoint indices and distances are left out: they refer to different keypoints and to
-  /// different kinds of descriptors. What compares is there if every input has it.
+  /// Keypoint indices and distances are omitted: they refer to different keypoints and to different
+  /// kinds of descriptors. Values that can be compared are kept if every input has them.
   static Correspondences answer(const std::vector<Correspondences>& inputs,
                                 const std::vector<Source>& matches) {
     using C = Correspondences;
@@ -130,7 +130,7 @@ class Merge final : public Matcher {
     return out;
   }
 
-  /// The least that a filter said of what it kept; none where none said any.
+  /// The lowest confidence that a filter gave to the kept matches; none where no filter gave any.
   static Array<double> least_confidence(const std::vector<Correspondences>& inputs) {
     const Array<double>* least = nullptr;
     for (const Correspondences& input : inputs) {

@@ -9,10 +9,11 @@
 
 namespace weft::refine {
 
-/// What became of a match.
+/// The result for a match.
 enum class Fate {
   refined,
-  hidden,  ///< no patch around it, or beside it, is wholly on the sheet, in the image and in sight
+  hidden,  ///< no patch around it, or beside it, is completely on the surface, in the image and
+           ///< visible
   flat,    ///< its patch has no structure along some direction
   unlike,  ///< the image does not look like its patch, or the search did not converge
   far,     ///< the patch lies elsewhere: more than the largest step away
@@ -30,9 +31,9 @@ struct RefineOptions {
   double max_step_px = 2.0;      ///< [] px
 };
 
-/// Looks for the piece of the view around `expected_px`, where the shape says that a point is seen,
-/// near `seen_px`, where a match says so. Both are finite, in px of the image. The search minimises
-/// over the displacement (view::Patch); the point moves as its patch does.
+/// Searches near `seen_px`, the image point of a match, for the piece of the view around
+/// `expected_px`, the projection of the point by the shape. Both are finite, in px of the image.
+/// The search minimises over the displacement (view::Patch); the point moves as its patch does.
 Refinement refine(const view::PredictedView& view, const view::Picture& image,
                   const Eigen::Vector2d& expected_px, const Eigen::Vector2d& seen_px,
                   const RefineOptions& options);

@@ -88,9 +88,9 @@ class Refine final : public Matcher {
     return {};
   }
 
-  /// Whoever comes next has no fewer matches than without this stage.
+  /// Later stages have no fewer matches than without this stage.
   static Result<Correspondences> as_it_came(Correspondences matches, const std::string& why) {
-    matches.diag = {};  // what its matcher said of itself
+    matches.diag = {};  // diagnostics of its matcher alone
     return degenerate(std::move(matches), "the matches as they came: " + why);
   }
 

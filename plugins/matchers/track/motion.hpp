@@ -18,9 +18,10 @@ class Motion {
   Motion() = default;
   explicit Motion(const Eigen::Vector2d& shift_px) { by_.col(0) = shift_px; }
 
-  /// Fits the field to the points, of which some are wrong: least squares weighted by the Cauchy
-  /// function of the residual, from the median displacement on (Holland and Welsch 1977). Fewer
-  /// than six points, or points on a line, give a mere shift. `scratch` is memory to use.
+  /// Fits the field to points that include outliers, by least squares weighted by the Cauchy
+  /// function of the residual. The initial field is the median displacement (Holland and Welsch
+  /// 1977). For fewer than six points, or points on a line, the result is a translation. `scratch`
+  /// is memory to use.
   static Motion fit(const std::vector<Moved>& points, double scale_px,
                     std::vector<double>& scratch);
 

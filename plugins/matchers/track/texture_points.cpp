@@ -17,8 +17,8 @@ constexpr int kMargin = 2;              // [px] from the border of the object
 constexpr int kRadius = 3;              // [px] of the window of the structure tensor
 constexpr float kLeastStrength = 1.0F;  // [(grey level/px)^2] mean over the window
 
-/// How well a place can be told from its surroundings: the smaller eigenvalue of the mean
-/// structure tensor, 0 at the border.
+/// How distinctive a place is in its surroundings: the smaller eigenvalue of the mean structure
+/// tensor, 0 at the border.
 view::Picture strength_of(const view::Picture& grey) {
   const int width = grey.width, height = grey.height;
   view::Picture xx, xy, yy, strength;
@@ -105,7 +105,8 @@ double area_of(const Template& templ) {
 
 /// How often a texture is halved until the camera could see all of it at about this size.
 int halvings_for(const Template& templ, const Camera& camera) {
-  constexpr double kShareOfImage = 0.7;  // of a sheet that fills the picture as films show it
+  constexpr double kShareOfImage = 0.7;  // share of the image that a surface covers in typical
+                                         // videos
   const double along_u =
       static_cast<double>(templ.texture.dim(1)) / static_cast<double>(camera.width_px);
   const double along_v =

@@ -18,9 +18,9 @@ struct TexturePoint {
   Eigen::Vector3d weights = Eigen::Vector3d::Zero();      ///< in that face
 };
 
-/// The points of a texture that can be told from their surroundings best, one for each cell of a
-/// grid over it: those where the smaller eigenvalue of the structure tensor is largest (Shi and
-/// Tomasi, CVPR 1994, equation 9), at the resolution with which a camera may see the whole texture.
+/// The most distinctive points of a texture, one for each cell of a grid over it. The smaller
+/// eigenvalue of the structure tensor is largest there (Shi and Tomasi, CVPR 1994, equation 9). It
+/// is computed at the resolution with which a camera may see the whole texture.
 class TexturePoints {
  public:
   /// Cells are squares, such that about `most` of them cover the mesh. Fails with what is wrong

@@ -15,7 +15,7 @@ namespace {
 
 std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
 
-/// Looks for the points of the texture where the previous shape says that they are.
+/// Searches for the points of the texture near their projections by the previous shape.
 class Track final : public Matcher {
  public:
   static constexpr About kAbout{
@@ -143,7 +143,7 @@ class Track final : public Matcher {
   std::string doubt_in(const Shape& shape, double share, const std::string& of) const {
     if (share < min_share_) return "weak: " + of + " found again, less than " + percent(min_share_);
     if (tracker_.change() > max_change_) {
-      return "weak: the sheet turned, grew or sheared by " + percent(tracker_.change());
+      return "weak: the surface turned, grew or sheared by " + percent(tracker_.change());
     }
     if (shape.shape_state() != ShapeState::estimated) {
       return std::string("weak: the previous shape is ") + to_string(shape.shape_state());

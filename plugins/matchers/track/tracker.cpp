@@ -48,8 +48,8 @@ void Tracker::find(const view::PredictedView& view, const view::Pyramid& image,
   judge(options, targets);
 }
 
-/// The patch of a target for pixels of a level, at the place where the target is looked for. Beside
-/// the border of what is drawn it is the nearest piece that was drawn wholly.
+/// The patch of a target for pixels of a level, at the predicted place of the target. Beside the
+/// border of the rendered part it is the nearest piece that was rendered completely.
 view::Patch::Fit Tracker::take(const view::PredictedView& view, int level, const Target& target,
                                Bench& bench) const {
   return view::take_beside([&](const view::Aside& aside) {
@@ -57,7 +57,7 @@ view::Patch::Fit Tracker::take(const view::PredictedView& view, int level, const
   });
 }
 
-/// That which lies so many px of the level beside it.
+/// The patch at this offset, in px of the level.
 view::Patch::Fit Tracker::take(const view::PredictedView& view, int level, const Target& target,
                                int dx, int dy, Bench& bench) const {
   const double scale = 1 << level;
@@ -77,7 +77,8 @@ view::Patch::Fit Tracker::take(const view::PredictedView& view, int level, const
   const Eigen::Vector2d place_px = expected_px + target.by_px;
   const int x = first(place_px.x(), dx), y = first(place_px.y(), dy);
   const Eigen::Vector2d corner_px =
-      scale * Eigen::Vector2d(x - 0.5, y - 0.5) - Eigen::Vector2d::Constant(0.5);  // of the border
+      scale * Eigen::Vector2d(x - 0.5, y - 0.5) - Eigen::Vector2d::Constant(0.5);  // corner of the
+                                                                                   // border
   const view::Lattice lattice{expected_px + to_view * (corner_px - place_px),
                               scale * to_view.col(0), scale * to_view.col(1)};
   view.sample(target.point.face, level, lattice, bench.samples);
@@ -92,7 +93,7 @@ void Tracker::align(const view::PredictedView& view, const view::Pyramid& image,
   share_out(workers_, shares, [&](int worker, int begin, int end) {
     worked(std::int64_t{100} * kShare * shares.workers());
     for (std::size_t i = to_index(begin); i < to_index(end); ++i) {
-      // What was found at a quarter of the size is near enough for the full one.
+      // A point found at a quarter of the size is near enough for the full one.
       if (level > 0 && level < kFirstLevel && is_found(targets[i])) continue;
       align(view, image, level, benches_[to_index(worker)], targets[i], deviations_px_[i]);
     }
@@ -111,7 +112,8 @@ void Tracker::align(const view::PredictedView& view, const view::Pyramid& image,
     target.fate = fit == view::Patch::Fit::flat ? Fate::flat : Fate::hidden;
     return;
   }
-  // A patch that was drawn begins where it was expected, one that was made where it is now.
+  // A patch of the rendered view begins at the predicted place, and one that was made on demand at
+  // the present place.
   const Eigen::Vector2d begin_px = is_drawn ? target.by_px : Eigen::Vector2d(0.0, 0.0);
   const Eigen::Vector2f start = (begin_px / scale).cast<float>();
   const view::Alignment found =

@@ -14,13 +14,13 @@
 
 namespace weft::track {
 
-/// Level from which on the view is drawn: finer pieces are made where they are wanted.
+/// Level from which on the view is rendered; finer pieces are rendered on demand.
 inline constexpr int kFinestDrawn = 2;
 
-/// What became of a point.
+/// The state of a point after the search.
 enum class Fate {
   found,
-  hidden,     ///< its patch is not wholly on the sheet, in the image and in sight
+  hidden,     ///< its patch is not completely on the surface, in the image and visible
   flat,       ///< its patch has no structure at this size
   unlike,     ///< the image does not look like its patch, or the search did not converge
   uncertain,  ///< its place is not determined well
@@ -35,33 +35,34 @@ struct Target {
   Fate fate = Fate::hidden;
   Eigen::Vector2d expected_px = Eigen::Vector2d::Zero();  ///< by the predicted view
   Eigen::Vector2d by_px = Eigen::Vector2d::Zero();        ///< found so far from there
-  float correlation = 0.0F;                               ///< of the last level it was found in
+  float correlation = 0.0F;                               ///< at the last level it was found in
 };
 
 struct TrackerOptions {
-  double search_px = 48.0;         ///< [] px, reach of the search for the whole sheet
+  double search_px = 48.0;         ///< [] px, reach of the search for the whole surface
   double min_correlation = 0.8;    ///< []
   double max_deviation_px = 12.0;  ///< [] px
 };
 
-/// Finds points of a predicted view in an image, from coarse to fine: first the whole sheet by its
-/// displacement, then each patch in the image at a quarter of its size, then in the image itself,
-/// those that were not found there at half its size before. Between the levels an affine field is
-/// fitted to what was found. It leads those that were not, and turns and scales the patches.
+/// Finds points of a predicted view in an image, from coarse to fine. It first finds the
+/// displacement of the whole surface, then each patch in the image at a quarter of its size. The
+/// last search is in the image itself, for patches that were not found there at half its size
+/// before. Between the levels an affine field is fitted to the found patches. It predicts the
+/// others, and rotates and scales the patches.
 class Tracker {
  public:
   /// The same on any number of threads.
   void find(const view::PredictedView& view, const view::Pyramid& image,
             const TrackerOptions& options, int threads, std::vector<Target>& targets);
 
-  /// Of the whole sheet in the last call.
+  /// Shift of the whole surface in the last call.
   const view::CoarseShift& shift() const { return shift_; }
-  /// How much the sheet turned, grew or sheared in the image since it was expected: the largest
-  /// stretch of the affine field that was fitted last.
+  /// The change of the surface in the image since the prediction by rotation, scale or shear: the
+  /// largest stretch of the last affine field.
   double change() const;
 
  private:
-  /// What a thread works in.
+  /// The buffers of a thread.
   struct Bench {
     view::Patch patch;
     view::Samples samples;
@@ -81,11 +82,11 @@ class Tracker {
   view::CoarseSearch search_;
   view::CoarseShift shift_;
   Workers workers_;
-  std::vector<Bench> benches_;  ///< of each thread
+  std::vector<Bench> benches_;  ///< one for each thread
   Motion motion_;               ///< by the levels so far
   std::vector<Moved> moved_;
   std::vector<double> scratch_;
-  std::vector<float> deviations_px_;  ///< of the targets at the finest level
+  std::vector<float> deviations_px_;  ///< deviations of the targets at the finest level
 };
 
 }  // namespace weft::track

@@ -94,8 +94,8 @@ class FlatReference final : public Pass {
     if (auto fits = unwarping::check_unwarping(in.templ, *in.image, *in.shape); !fits) return fits;
     if (in.templ.m_per_px.present()) return {};
     return Error{Errc::invalid_data,
-                 "the template says no texel pitch (m_per_px), so that no distance is known in "
-                 "mm; give the template its width",
+                 "the template has no texel pitch (m_per_px), so that no distance is known in mm; "
+                 "give the template its width",
                  {}};
   }
 
@@ -105,9 +105,9 @@ class FlatReference final : public Pass {
                                        static_cast<double>(most)));
   }
 
-  /// Boxes with their margin, as far as they are on the print, without the blank ones; of a grid
-  /// without those, too, that the print repeats nearby, such as pieces of a line: their places
-  /// cannot be told to a millimetre.
+  /// Boxes with their margin, as far as they are on the texture, without the blank ones. In a grid
+  /// it also omits boxes that the texture repeats nearby, such as pieces of a line: their places
+  /// are ambiguous by more than a millimetre.
   Result<std::vector<cv::Rect>> patches_of(const cv::Mat& print, const double* mm_per_px,
                                            cv::Size range_px) const {
     const cv::Size near_px(in_texels(kNear_mm, mm_per_px[0], print.cols),
@@ -130,10 +130,11 @@ class FlatReference final : public Pass {
       patches.push_back(patch);
     }
     if (!patches.empty()) return patches;
-    return no_result(words_.empty()
-                         ? "no cell of the texture has contrast, and a place that it can be told "
-                           "by: it cannot be compared"
-                         : "the texture has no contrast at any word: these are of another print");
+    return no_result(
+        words_.empty()
+            ? "no cell of the texture has contrast and is unique in its surroundings: it cannot be "
+              "compared"
+            : "the texture has no contrast at any word: these belong to another texture");
   }
 
   std::string words_path_;

@@ -14,15 +14,15 @@ struct Peak {
 /// Standard deviation of the grey levels.
 double contrast(const cv::Mat& grey);
 
-/// Searches the patch of the print by normalised cross-correlation (of grey levels without their
-/// means) among the shifts of at most `range_px` along each axis that leave it inside `unwarped`,
-/// which has the size of the print. Places without contrast are left out: their correlation is
+/// Searches the patch of the texture by normalised cross-correlation (of grey levels without their
+/// means) in `unwarped`, which has the size of the texture. The shifts are at most `range_px` along
+/// each axis and leave the patch inside. Places without contrast are omitted: their correlation is
 /// undefined, and 0 where there are no others.
 Peak find_patch(const cv::Mat& print, const cv::Mat& unwarped, const cv::Rect& patch,
                 cv::Size range_px);
 
-/// The highest correlation of a patch with the print itself further than `near_px` from its place,
-/// within the same range; 0 where there is no other place with contrast.
+/// The highest correlation of a patch with the texture itself further than `near_px` from its
+/// place, within the same range; 0 where there is no other place with contrast.
 double likeness_elsewhere(const cv::Mat& print, const cv::Rect& patch, cv::Size range_px,
                           cv::Size near_px);
 

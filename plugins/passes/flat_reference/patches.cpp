@@ -89,7 +89,7 @@ Result<std::vector<cv::Rect>> boxes_of(const std::vector<Word>& words, cv::Size 
                      std::to_string(box.x) + ", top " + std::to_string(box.y) +
                      " px lies outside of the texture of " + std::to_string(print_px.width) +
                      " x " + std::to_string(print_px.height) +
-                     " px; give the words of this print, at its resolution",
+                     " px; give the words of this texture, at its resolution",
                  {}};
   }
   return boxes;

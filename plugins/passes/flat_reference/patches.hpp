@@ -19,10 +19,10 @@ struct Word {
 /// entry, or a box has no area.
 Result<std::vector<Word>> read_words(const std::string& file);
 
-/// The boxes of the words. Fails with the first word whose centre lies outside of the print.
+/// The boxes of the words. Fails with the first word whose centre lies outside of the texture.
 Result<std::vector<cv::Rect>> boxes_of(const std::vector<Word>& words, cv::Size print_px);
 
-/// Cells of a grid over the print, those at its right and lower edge smaller.
+/// Cells of a grid over the texture, those at its right and lower edge smaller.
 std::vector<cv::Rect> grid_of(cv::Size print_px, cv::Size cell_px);
 
 }  // namespace weft::flat_reference

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kFewSightlines = 8;
 constexpr double kLowCoverage = 0.1;
 
-/// What is put on a ray: the vertices of salient faces at their warped positions, or the matches.
+/// The points on a ray: the vertices of salient faces at their warped positions, or the matches.
 enum class Mode { vertices, matches };
 
 /// A record of `count` sightlines, all weights in their faces 0.

@@ -103,7 +103,7 @@ class MatchGrid {
     const Eigen::RowVector2d from_low = place_px - low_px_;
     const std::int64_t column = cell_of(from_low.x()), row = cell_of(from_low.y());
     int count = 0;
-    for (const std::int64_t down : {0, -1, 1}) {  // what is found in the middle is enough mostly
+    for (const std::int64_t down : {0, -1, 1}) {  // matches found in the middle are enough mostly
       for (const std::int64_t right : {0, -1, 1}) {
         for (const std::int64_t match :
              cells_[to_index((row + down) * columns_ + column + right)]) {

@@ -17,16 +17,16 @@ namespace weft::salient_cells {
 struct Rules {
   int min_matches_per_cell = 1;  ///< [] kept matches that make a face salient
   double reach = 0.0;            ///< [] share of the template's diagonal, see find_cells()
-  bool count_all = false;        ///< what min_matches_per_cell does not need counts too
+  bool count_all = false;        ///< matches beyond min_matches_per_cell count too
   bool reject_folded = false;    ///< faces that the warp folds or squeezes are not salient
   double image_margin = 0.05;    ///< [] share of the image's size that a point may lie outside
 };
 
-/// What was left out, and why.
+/// The omitted matches, by reason.
 struct Dropped {
   int not_evaluated = 0;  ///< [] the warp had to extrapolate there or is not finite
   int outside = 0;        ///< [] beyond the image and its margin
-  int hidden = 0;         ///< [] the visibility says so
+  int hidden = 0;         ///< [] hidden by the visibility
 };
 
 /// The faces that are salient, and how many kept matches lie in each.
@@ -40,10 +40,10 @@ struct Cells {
   int count() const;
 };
 
-/// The faces that hold enough matches. With a reach a face also has the matches of which the place
-/// in the texture is within it of the middle of the face, so that what is salient does not depend
-/// on how fine the mesh is; they are counted no further than it matters. Fails on a face index that
-/// the template does not have. `warped` holds the template's vertices in the image.
+/// The faces that contain enough matches. With a reach, a face also has the matches whose place in
+/// the texture is within it of the middle of the face. The saliency of a place therefore does not
+/// depend on the resolution of the mesh. They are counted only up to the needed number. Fails on a
+/// face index that the template does not have. `warped` holds the template's vertices in the image.
 Result<Cells> find_cells(const Template& templ, const Correspondences& correspondences,
                          const WarpSamples& warped, const Rules& rules);
 

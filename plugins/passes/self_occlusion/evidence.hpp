@@ -12,7 +12,7 @@
 
 namespace weft::self_occlusion {
 
-/// What the kept matches say of each vertex, whatever the geometry predicts.
+/// The evidence of the kept matches for each vertex, independent of the prediction by geometry.
 struct Evidence {
   /// [V] 1 where two matches that are nearest to the vertex agree: what they lack to their places
   /// on the shape differs by less than the tolerance
@@ -31,15 +31,15 @@ struct Scene {
   const std::vector<double>& cosines;  ///< [F] of their slant, positive towards the camera
 };
 
-/// Matches are expected in proportion to the image area of a face times the squared cosine of its
-/// slant, because detectors fail on slanted print, at the mean rate of the faces that hold some.
-/// Faces of matches must be in range.
+/// The expected number of matches is proportional to the image area of a face times the squared
+/// cosine of its slant, because detectors fail on slanted texture. Its rate is the mean over the
+/// faces that contain some. Faces of matches must be in range.
 Evidence gather_evidence(const Scene& scene, const Camera& camera, const Correspondences& matches,
                          double tolerance_px);
 
-/// Marks vertices that geometry says are seen, but of which nothing is recognised. A part of the
+/// Marks vertices that are visible by geometry, but without recognised texture. A part of the
 /// surface is doubted where no match is left around its vertices although at least `missing` are
-/// expected in it, or where it joins a part that geometry says is not seen. At the rim of such
+/// expected in it. A part that joins a geometrically hidden part is doubted too. At the rim of such
 /// parts vertices without a nearest match are doubted too: their places in the image are a guess.
 std::vector<std::uint8_t> unconfirmed_vertices(const Scene& scene, const Sight& sight,
                                                const Evidence& evidence, double missing);

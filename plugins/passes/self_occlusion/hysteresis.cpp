@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kUndecided = 0.5;
 
-/// What is known of one vertex in this frame.
+/// The evidence for one vertex in this frame.
 struct Finding {
   SightReason reason = SightReason::seen;
   double score = 0.0;

@@ -56,7 +56,7 @@ class SelfOcclusion final : public Pass {
   }
 
  private:
-  /// What is seen of the mesh that is looked at.
+  /// The visibility of the given mesh.
   Result<PassOutput> seen_on(const PassInput& in) {
     const Shape* shape = shape_to_look_at(in);
     if (!shape && !in.warp_samples) {
@@ -191,8 +191,8 @@ class SelfOcclusion final : public Pass {
   int vertices_ = 0;
 
   std::optional<scene::RayCaster> scene_;
-  std::optional<coarse_mesh::CoarseMesh> coarse_;  ///< looked at in place of the template's mesh
-  IndexLists around_;                              ///< of the mesh that is looked at
+  std::optional<coarse_mesh::CoarseMesh> coarse_;  ///< used instead of the template's mesh
+  IndexLists around_;                              ///< faces around each vertex of the mesh in use
   std::uint64_t mesh_revision_ = 0;
 };
 

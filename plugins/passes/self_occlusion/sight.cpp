@@ -13,8 +13,8 @@ namespace weft::self_occlusion {
 namespace {
 
 constexpr double kEdgeOnCosine = 0.02;
-constexpr double kInFullView = 0.5;     // cosine of a face that nobody takes for a rim
-constexpr double kSlackInEdges = 5e-3;  // what lies this near before a point is its own surface
+constexpr double kInFullView = 0.5;     // cosine of a face that is certainly no rim
+constexpr double kSlackInEdges = 5e-3;  // a surface this near in front of a point is its own
 
 bool in_image(const Camera& camera, const Eigen::Vector3d& point_m) {
   const Eigen::Vector2d pixel = project({camera.fx, camera.fy, camera.cx, camera.cy}, point_m);
@@ -43,7 +43,7 @@ double mean_side(const Points3View& vertices_m, const FacesView& faces) {
   return sum / static_cast<double>(3 * faces.rows());
 }
 
-/// What the faces around a vertex show.
+/// The visibility of the faces around a vertex.
 struct Ring {
   Facing facing = Facing::edge_on;
   double seen_share = 0.0;  ///< [] of the faces

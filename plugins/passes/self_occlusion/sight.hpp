@@ -18,7 +18,7 @@ enum class Facing : std::uint8_t { towards, away, edge_on };
 
 Facing facing_of(double cosine);
 
-/// What the geometry of one shape says.
+/// The visibility by the geometry of one shape.
 struct Sight {
   std::vector<SightReason> reason;  ///< [V]
   std::vector<std::uint8_t> known;  ///< [V] 0 where the surface is edge-on, and nothing before it
@@ -30,10 +30,11 @@ struct Sight {
 /// front, on which they are counter-clockwise; 0 for a face without area.
 std::vector<double> facing_cosines(const Points3View& vertices_m, const FacesView& faces);
 
-/// A vertex is seen if it projects into the image, no triangle stands before it, and the faces
-/// around it look towards the camera on the mean, or one of them by more than 30 degrees; a face is
-/// seen if it looks towards the camera and nothing stands before its centroid. `scene` is given
-/// this mesh. `around` lists the faces around each vertex. Vertices must be finite.
+/// A vertex is visible if it projects into the image, no triangle is in front of it, and the faces
+/// around it look towards the camera. They do so on the mean, or one of them by more than 30
+/// degrees. A face is visible if it looks towards the camera and nothing is in front of its
+/// centroid. `scene` is given this mesh. `around` lists the faces around each vertex. Vertices must
+/// be finite.
 Sight look(const Points3View& vertices_m, const FacesView& faces, const IndexLists& around,
            const Camera& camera, scene::RayCaster& scene);
 

@@ -12,12 +12,12 @@
 
 namespace weft::self_occlusion {
 
-/// What a warp tells without any shape (after Pizarro and Bartoli, Feature-based deformable surface
-/// detection with self-occlusion reasoning, IJCV 97, 2012): with J the affine map of a face from
-/// the texture to the image, the face is folded where det J has not the sign of most faces, and
-/// contracted where its smaller singular value is below 0.15 of the median. A vertex is hidden if
-/// all faces around it are, and outside if its place is not in the image. A face whose vertices are
-/// not evaluated says nothing.
+/// The visibility by a warp without any shape (after Pizarro and Bartoli, Feature-based deformable
+/// surface detection with self-occlusion reasoning, IJCV 97, 2012). Let J be the affine map of a
+/// face from the texture to the image. The face is folded where det J does not have the sign of
+/// most faces. It is contracted where its smaller singular value is below 0.15 of the median. A
+/// vertex is hidden if all faces around it are, and outside if its place is not in the image. A
+/// face whose vertices are not evaluated gives no evidence.
 Sight look_at_warp(const Template& templ, const WarpSamples& warped, const IndexLists& around,
                    const Camera& camera);
 

@@ -24,7 +24,7 @@ Result<Address> parse_address(std::string_view text, std::uint16_t least_port) {
   if (has_brackets) host = host.substr(1, host.size() - 2);
   boost::system::error_code code;
   address.host = asio::ip::make_address(host, code);
-  // Without brackets, nothing tells the last part of an IPv6 address from a port.
+  // Without brackets, the last part of an IPv6 address cannot be distinguished from a port.
   if (!code && address.host.is_v6() == has_brackets) return address;
   return Error{Errc::invalid_value, "has no address in numbers, such as 127.0.0.1 or [::1]"};
 }
@@ -35,7 +35,7 @@ Error address_error(const std::string& text, const boost::system::error_code& co
     advice = ": another program has this port, choose another";
   if (code == asio::error::access_denied) advice = ": choose a port from 1024 on";
   if (code == boost::system::errc::address_not_available) {
-    advice = ": this machine has another address, choose one of its own";
+    advice = ": this machine has another address, choose one that it has";
   }
   return {Errc::io, text + " cannot be used (" + code.message() + ")" + advice, {}};
 }

@@ -14,11 +14,11 @@ struct Address {
   std::uint16_t port = 0;
 };
 
-/// Of `127.0.0.1:5005`, `[::1]:5005`, `localhost:5005`. Names are not looked up. The error says
-/// what is wrong, as the end of a sentence about the text.
+/// The address in `127.0.0.1:5005`, `[::1]:5005`, `localhost:5005`. Names are not looked up. The
+/// error is the end of a sentence about the text.
 Result<Address> parse_address(std::string_view text, std::uint16_t least_port);
 
-/// An error about the address `text` that says what to change, where there is advice.
+/// An error about the address `text` with a suggestion, where there is one.
 Error address_error(const std::string& text, const boost::system::error_code& code);
 
 }  // namespace weft::network

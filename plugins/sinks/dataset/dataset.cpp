@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The members of one record, as an archive of its own holds them.
+/// The members of one record, as an archive of this record alone.
 template <class RecordType>
 std::vector<NpzMember> members_of(const char* slot, const RecordType& typed) {
   std::vector<NpzMember> members;

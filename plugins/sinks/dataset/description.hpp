@@ -8,11 +8,11 @@
 
 namespace weft::dataset {
 
-/// What stands in a sequence, once all of it is written.
+/// The contents of a sequence, once all of it is written.
 struct Contents {
   std::int64_t frames = 0;
   std::int64_t frames_with_truth = 0;
-  std::string truth_kind;  ///< of the first truth
+  std::string truth_kind;  ///< kind of the first truth
   double first_s = 0.0;    ///< [] s, time of the first frame
   double last_s = 0.0;     ///< [] s, time of the last frame
 };

@@ -14,7 +14,7 @@ namespace {
 
 enum class Content { mesh, texture, matches, twins };
 
-/// A picture of the template, which is the same in all frames, or of the first frame with a shape.
+/// An image of the template, which is the same in all frames, or of the first frame with a shape.
 class Drawing final : public Sink {
  public:
   static constexpr About kAbout{.needs = "template", .reads = "image camera correspondences shape"};
@@ -26,9 +26,9 @@ class Drawing final : public Sink {
               {"texture", Content::texture},
               {"matches", Content::matches},
               {"twins", Content::twins}},
-             "content of the image; mesh: mesh over the texture, with the object at rest if it is "
-             "curved; texture: texture only; matches: first image with a shape, its mesh and match "
-             "residuals; twins: similar keypoints of the texture");
+             "content of the image; mesh: mesh over the texture, and a curved object at rest; "
+             "texture: texture only; matches: first image with mesh and match residuals; twins: "
+             "similar keypoints");
   }
 
   Result<void> open(const Call&) override {
@@ -46,7 +46,7 @@ class Drawing final : public Sink {
     const std::vector<int> small{cv::IMWRITE_PNG_COMPRESSION, 6, cv::IMWRITE_PNG_STRATEGY,
                                  cv::IMWRITE_PNG_STRATEGY_DEFAULT};
     if (!cv::imencode(".png", picture, png, small)) {
-      return Error{Errc::unsupported, "the picture is too large for PNG", path_};
+      return Error{Errc::unsupported, "the image is too large for PNG", path_};
     }
     const std::string_view bytes(reinterpret_cast<const char*>(png.data()), png.size());
     if (auto written = write_whole(bytes, path_); !written) return written;

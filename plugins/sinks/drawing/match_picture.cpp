@@ -15,7 +15,7 @@ namespace {
 constexpr int kFraction = 4;        // positions are given to OpenCV in 1/16 px
 constexpr double kBeyond_px = 1e6;  // beyond this its fixed-point numbers overflow
 constexpr double kPaler = 0.5;
-const cv::Scalar kShapeColour(97, 222, 64);  // BGR, as in the other pictures
+const cv::Scalar kShapeColour(97, 222, 64);  // BGR, as in the other images
 const cv::Scalar kSeen(200, 60, 0), kOff(0, 110, 255);
 
 void trace_line(cv::Mat& picture, const Eigen::Vector2d& from, const Eigen::Vector2d& to,

@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kPanel_px = 1600.0, kLeastPanel_px = 700.0;
 constexpr double kPaleness = 0.6;
-constexpr int kFine = 2;             // panels are drawn so many times larger, and averaged
+constexpr int kFine = 2;             // panels are rendered this many times larger, and averaged
 constexpr int kShift = 4;            // positions are given to OpenCV in 1/16 px
 constexpr double kFarAway_px = 1e6;  // beyond this the fixed-point numbers of OpenCV overflow
 const cv::Scalar kMeshColour(97, 222, 64), kFaceBorder(51, 115, 26);
@@ -34,7 +34,7 @@ cv::Point fine_point(double x_px, double y_px) {
   return {fixed(x_px), fixed(y_px)};
 }
 
-/// The soft rims of OpenCV's lines make them about a pixel wider than they are asked to be.
+/// The soft rims of OpenCV's lines make them about a pixel wider than the requested width.
 int fine_width(double px) { return std::max(1, static_cast<int>(std::lround(kFine * px)) - 1); }
 
 cv::Mat pale_texture(const Template& templ) {

@@ -9,8 +9,8 @@ namespace weft::drawing {
 /// The texture as OpenCV sees it, grey or BGR; it is not copied.
 cv::Mat texture_of(const Template& templ);
 
-/// The mesh over the texture, which is pale outside the mask, and beside it, where the object is
-/// not flat, the object from the front, from the left and above; BGR.
+/// The mesh over the texture, which is pale outside the mask; BGR. Where the object is not flat, it
+/// is shown beside this from the front, from the left and above.
 cv::Mat draw_mesh(const Template& templ);
 
 }  // namespace weft::drawing

@@ -15,7 +15,7 @@ constexpr double kLargestTexture_px = 1600.0, kSmallestTexture_px = 700.0, kPale
 constexpr int kTwinShift = 4;  // positions are given to OpenCV in 1/16 px
 const cv::Scalar kAlone(80, 160, 30), kHasTwin(0, 90, 255), kToTwin(120, 170, 255);  // BGR
 
-/// Of a place on the texture in the picture that is `scale` times as large.
+/// The place of a texture point in the image that is `scale` times as large.
 cv::Point twin_point(const Array<double>& places_px, std::int64_t i, double scale) {
   const auto coordinate = [&](int axis) {
     return static_cast<int>(

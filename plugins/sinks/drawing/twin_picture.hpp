@@ -7,8 +7,8 @@
 
 namespace weft::drawing {
 
-/// The texture, pale, with its keypoints, which `pairs` have as template_px: a green dot for each,
-/// an orange one where the pair is kept, and a line from there to its twin at image_px; BGR.
+/// The texture, pale, with the keypoints that `pairs` have as template_px; BGR. Each has a green
+/// dot. A kept pair has an orange dot instead, and a line to its twin at image_px.
 cv::Mat draw_twins(const Template& templ, const Correspondences& pairs);
 
 }  // namespace weft::drawing

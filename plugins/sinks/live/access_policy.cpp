@@ -37,7 +37,7 @@ bool are_same(std::string_view given, std::string_view secret) {
   return difference == 0;
 }
 
-/// What stands behind `token=` in the query of a target; empty where nothing does.
+/// The text behind `token=` in the query of a target; empty where there is none.
 std::string_view query_token(std::string_view target) {
   const std::size_t question = target.find('?');
   std::string_view query = question == target.npos ? "" : target.substr(question + 1);
@@ -72,11 +72,9 @@ std::string_view path_of(std::string_view target) {
 
 Result<void> AccessPolicy::check_token() const {
   if (token_.empty() && !listening_.is_loopback()) {
-    return Error{
-        Errc::invalid_value,
-        "a token is needed, because others than this machine can reach the address: give at least "
-        "16 letters and digits that nobody guesses, or take an address such as "
-        "127.0.0.1:8090"};
+    return Error{Errc::invalid_value,
+                 "a token is needed, because other machines can reach the address: give at least "
+                 "16 random letters and digits, or take an address such as 127.0.0.1:8090"};
   }
   if (token_.empty()) return {};
   if (token_.size() >= kLeastToken &&
@@ -129,7 +127,7 @@ std::optional<Refusal> AccessPolicy::refuse(const Visit& visit, bool needs_token
   }
   if (needs_token && !token_.empty() && !has_token(visit)) {
     return Refusal{kUnauthorized,
-                   "Say the token of this server: add ?token=... to the address, or send it as "
+                   "Send the token of this server: add ?token=... to the address, or send it as "
                    "Authorization: Bearer ..."};
   }
   return std::nullopt;

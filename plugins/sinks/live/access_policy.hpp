@@ -10,31 +10,33 @@
 
 namespace weft::live {
 
-/// What a request says of where it comes from; each text as it stands in the request.
+/// The origin of a request; each text as in the request.
 struct Visit {
   std::string_view target;                 ///< `/ws?token=...`
   std::string_view host;                   ///< empty where there is none, or more than one
-  std::optional<std::string_view> origin;  ///< of pages that browsers show; absent elsewhere
+  std::optional<std::string_view> origin;  ///< origin of pages in browsers; absent elsewhere
   std::string_view authorization;          ///< empty where there is none
 };
 
 /// Why a request is not let in.
 struct Refusal {
-  int status;            ///< of HTTP
-  std::string sentence;  ///< what to change
+  int status;            ///< status code of HTTP
+  std::string sentence;  ///< the suggested change
 };
 
 /// `/ws` of `/ws?token=...`.
 std::string_view path_of(std::string_view target);
 
-/// Who may come in. Pages of other origins could read what a browser on this machine may read, and
-/// a page whose name is made to stand for this machine has the right origin: so both are compared.
+/// The access policy of the server. Pages of other origins could read all that a browser on this
+/// machine may read, so it compares the origin. A page whose name resolves to this machine has the
+/// right origin, so it compares the name too.
 class AccessPolicy {
  public:
   AccessPolicy(boost::asio::ip::address listening, std::string token, std::string origin)
       : listening_(std::move(listening)), token_(std::move(token)), origin_(std::move(origin)) {}
 
-  /// Whether the token must be long enough, and whether it and the origin can be what they say.
+  /// Check that a token is given where other machines can reach the address, its length and
+  /// characters, and the form of the origin.
   Result<void> check_token() const;
   Result<void> check_origin() const;
 

@@ -24,7 +24,7 @@ std::string jpeg_of(const Array<std::uint8_t>& pixels, const PictureStyle& style
     if (!cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, style.quality})) return {};
     return {jpeg.begin(), jpeg.end()};
   } catch (const cv::Exception&) {
-    return {};  // such as a picture beyond the 65500 px of the format
+    return {};  // such as an image beyond the 65500 px of the format
   }
 }
 

@@ -19,28 +19,28 @@
 
 namespace weft::live {
 
-/// What bounds the clients.
+/// The limits of the clients.
 struct Limits {
   std::size_t clients = 64;               ///< with access
-  std::size_t message_bytes = 64 * 1024;  ///< of what a client says
+  std::size_t message_bytes = 64 * 1024;  ///< size of a client's message
   /// Connections without access: the head of their request is not complete, they are refused, or
   /// they get a file that needs no token. Beyond this number the oldest one is closed.
   std::size_t guests = 64;
   std::chrono::milliseconds head{2'000};      ///< until the head of a request is complete
   std::chrono::milliseconds request{10'000};  ///< until its answer is through
-  std::chrono::milliseconds still{3'000};     ///< without a frame, until clients are told
+  std::chrono::milliseconds still{3'000};     ///< without a frame, until clients are notified
   std::chrono::milliseconds write{20'000};    ///< until a client has taken what it is sent
   std::chrono::milliseconds silence{30'000};  ///< until a client answers whether it is there
   std::chrono::milliseconds end{400};         ///< for all clients together, after the last frame
 };
 
-/// What does not change in a run.
+/// The data that do not change in a run.
 struct LiveSetup {
   AccessPolicy policy;
   PictureStyle style{};
   Camera camera{};
   std::vector<std::int32_t> faces{};  ///< [F,3] vertex indices
-  std::string scene{};                ///< of hello, see messages.hpp
+  std::string scene{};                ///< members of hello, see messages.hpp
   Limits limits{};
 };
 
@@ -64,7 +64,7 @@ class Client {
   Client() = default;
 };
 
-/// What the clients share, of the server's thread.
+/// The data that the clients share, on the server's thread.
 struct Hub {
   Hub(LiveSetup given, RunChannel& run) : setup(std::move(given)), run_channel(run) {}
   Hub(const Hub&) = delete;
@@ -79,7 +79,7 @@ struct Hub {
     if (!guests.empty()) guests.front()->end(true);
   }
 
-  /// Whether there is a newest frame that is not the one which was had under this count.
+  /// True if a newest frame exists whose count differs from `had`.
   bool has_newer(std::uint64_t had) const { return newest != nullptr && frame_count != had; }
 
   const LiveSetup setup;

@@ -9,7 +9,8 @@
 
 namespace weft::live {
 
-/// Appends the shortest digits that read back as the same number; what is not finite is null.
+/// Appends the shortest digits that read back as the same number; null for numbers that are not
+/// finite.
 template <class Number>
 void add_number(std::string& text, Number number) {
   if constexpr (std::is_floating_point_v<Number>) {

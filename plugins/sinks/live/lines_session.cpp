@@ -44,7 +44,7 @@ class LinesSession final : public Client, public std::enable_shared_from_this<Li
  private:
   static constexpr std::size_t kMostLines = 256;
 
-  /// A client of this kind has nothing more to say: what it does is to go away.
+  /// A client of this kind sends nothing more: the only event is its end.
   void watch() {
     socket_.async_read_some(
         asio::buffer(unread_),

@@ -82,7 +82,7 @@ void put_part(std::string& bytes, const void* part, std::size_t count) {
   bytes.append((4 - count % 4) % 4, '\0');
 }
 
-/// Whether it could end a line of a log, or hide what follows in a text of C.
+/// True if it could end a line of a log, or hide the rest of a text in C.
 bool has_control_character(const std::string& text) {
   return std::any_of(text.begin(), text.end(),
                      [](char c) { return static_cast<unsigned char>(c) < 0x20; });
@@ -172,7 +172,7 @@ std::string frame_message(const FrameCopy& frame, const std::string& jpeg) {
   add_part("vertices_m", "f32", vertex_bytes);
   add_part("visible", "u8", frame.visible.size());
   text += "]}";
-  text.append((4 - text.size() % 4) % 4, ' ');  // what follows stands at multiples of 4
+  text.append((4 - text.size() % 4) % 4, ' ');  // the next bytes are at multiples of 4
 
   std::string bytes;
   bytes.reserve(text.size() + jpeg.size() + vertex_bytes + frame.visible.size() + 20);
@@ -192,14 +192,16 @@ Result<Said> parse_said(std::string_view message) {
   const auto type = said.find("type");
   if (type == said.end() || !type->is_string()) return refuse("a message without a type");
   if (*type == "ready") return Said{};
-  if (*type != "wish") return refuse("a message of another type than ready and wish");
+  if (*type != "change_request")
+    return refuse("a message of another type than ready and change_request");
   const auto number = said.find("number"), text = said.find("text");
   if (number == said.end() || !number->is_number_unsigned()) {
-    return refuse("a wish without a number from 0 on");
+    return refuse("a change request without a number from 0 on");
   }
-  if (text == said.end() || !text->is_string()) return refuse("a wish without a text");
+  if (text == said.end() || !text->is_string()) return refuse("a change request without a text");
   Said request{true, number->get<std::uint64_t>(), text->get<std::string>()};
-  if (has_control_character(request.text)) return refuse("a wish with a control character");
+  if (has_control_character(request.text))
+    return refuse("a change request with a control character");
   return request;
 }
 

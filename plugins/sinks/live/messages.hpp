@@ -14,21 +14,21 @@ namespace weft::live {
 
 /// The messages of the protocol weft.live.1, as the tables in the README have them.
 
-/// What does not change in a run: `"weft":..,"camera":{..},"template":{..}`.
+/// The data that do not change in a run: `"weft":..,"camera":{..},"template":{..}`.
 std::string scene_members(const Template& templ, const Camera& camera);
 
 /// `settings` is a JSON object, or empty where nothing is known.
 std::string hello_message(const std::string& scene, const std::string& settings);
 std::string settings_message(const std::string& settings);
 std::string answer_message(std::uint64_t number, std::uint64_t frame, const std::string& refusal);
-/// Of the run, whoever wished for it.
+/// The pause state of the run, whichever client requested it.
 std::string pause_message(bool is_paused, std::uint64_t frame, bool has_left = false);
 std::string still_message(bool is_still);
 
-/// `jpeg` is the picture, or empty.
+/// `jpeg` is the image, or empty.
 std::string frame_message(const FrameCopy& frame, const std::string& jpeg);
 
-/// What a client of weft.live.1 says.
+/// A message of a client of weft.live.1.
 struct Said {
   bool is_change_request = false;  ///< else it is ready for a frame
   std::uint64_t number = 0;

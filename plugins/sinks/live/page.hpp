@@ -9,10 +9,10 @@ namespace weft::live {
 struct PageFile {
   std::string_view type;  ///< as in HTTP's Content-Type
   std::string_view content;
-  bool is_public;  ///< code without a secret: scripts and styles, which a page asks for by itself
+  bool is_public;  ///< code without a secret: scripts and styles, which a page loads by itself
 };
 
-/// Of the path `/`, `/live.js` or `/live.css`; null for others.
+/// The file of the path `/`, `/live.js` or `/live.css`; null for others.
 const PageFile* page_file(std::string_view path);
 
 }  // namespace weft::live

@@ -12,8 +12,8 @@ namespace weft::live {
 
 /// One message of a WebSocket.
 struct Outgoing {
-  std::string head;  ///< what is this client's own
-  Text body;         ///< what follows it; never null
+  std::string head;  ///< the part for this client alone
+  Text body;         ///< the rest of the message; never null
   bool is_text = true;
 };
 
@@ -21,18 +21,19 @@ inline Outgoing text_message(std::string text) {
   return {{}, std::make_shared<const std::string>(std::move(text)), true};
 }
 
-/// What is said over a WebSocket. The connection asks for the next message when the last one is
-/// through, so that nothing queues up for a client that does not read.
+/// The messages on a WebSocket. The connection requests the next message when the last one is sent,
+/// so that no messages queue up for a client that does not read.
 class Protocol {
  public:
   virtual ~Protocol() = default;
   virtual std::optional<Outgoing> next() = 0;
-  /// What the client says; the answer is empty, or why it is closed.
+  /// Handles a message of the client; the result is empty, or the reason for closing the
+  /// connection.
   virtual std::string receive(std::string_view message, bool is_text) = 0;
   virtual void take_answer(const ClientAnswer& /*answer*/) {}
-  /// Whether the client may say more before it has read what waits for it.
+  /// True if the client may send more before it has read the messages that wait for it.
   virtual bool takes_more() const = 0;
-  /// Whether the client has had the newest frame.
+  /// True if the client has received the newest frame.
   virtual bool is_served() const = 0;
 };
 

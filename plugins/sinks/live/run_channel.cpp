@@ -13,8 +13,8 @@ constexpr std::size_t kMostLines = 256, kMostRequests = 64;
 /// Requests that the run has taken and not answered: it keeps each until it is made.
 constexpr std::size_t kMostAskers = 256;
 
-/// Whether the run stands still once the change request is granted; absent where that stays as it
-/// was.
+/// True if the run pauses once the change request is granted, false if it resumes; absent where the
+/// request changes neither.
 std::optional<bool> pauses(std::string_view request) {
   if (request == "pause" || request == "step") return true;
   if (request == "resume") return false;
@@ -62,7 +62,7 @@ void RunChannel::put_settings(std::string settings) {
 
 std::vector<ChangeRequest> RunChannel::take_change_requests() {
   const std::lock_guard lock(mutex_);
-  if (is_abandoned_) add_request(kServer, 0, "resume");  // whether or not there is room for more
+  if (is_abandoned_) add_request(kServer, 0, "resume");  // even if there is no room for more
   std::vector<ChangeRequest> taken(std::make_move_iterator(requests_.begin()),
                                    std::make_move_iterator(requests_.end()));
   requests_.clear();
@@ -97,10 +97,12 @@ Arrivals RunChannel::take() {
 std::string RunChannel::ask(ClientId client, std::uint64_t number, std::string text) {
   const std::lock_guard lock(mutex_);
   if (requests_.size() == kMostRequests) {
-    return "64 wishes wait already: the run takes them before each frame, so wish again then";
+    return "64 change requests wait already: the run takes them before each frame, so send again "
+           "then";
   }
   if (askers_.size() == kMostAskers) {
-    return "256 wishes have no answer yet: the run makes one after the other, so wish again then";
+    return "256 change requests have no answer yet: the run makes one after the other, so send "
+           "again then";
   }
   add_request(client, number, std::move(text));
   return {};

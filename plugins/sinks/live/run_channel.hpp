@@ -18,36 +18,36 @@
 namespace weft::live {
 
 using ClientId = std::uint64_t;
-/// In place of a client: the server itself resumes a run whose pausing clients have all left.
+/// Stands for the server itself, which resumes a run whose pausing clients have all left.
 constexpr ClientId kServer = 0;
 
-/// What became of a client's change request, under the client's own number.
+/// The result of a client's change request, under the client's own number.
 struct ClientAnswer {
   ClientId client;
   std::uint64_t number, frame;
   std::string refusal;
-  std::optional<bool> pauses{};  ///< whether the run stands still from there on, if that was wished
+  std::optional<bool> pauses{};  ///< true if the run then pauses; set if a pause was requested
 };
 
-/// What has come from the run since the server last looked.
+/// The messages that have come from the run since the server last looked.
 struct Arrivals {
-  bool is_passed = false;          ///< what was the newest frame is an old one
+  bool is_passed = false;          ///< the previous newest frame is outdated
   std::optional<FrameCopy> frame;  ///< the newest
   std::deque<std::string> lines;   ///< reports, the newest ones
   std::optional<std::string> settings;
   std::vector<ClientAnswer> answers;
 };
 
-/// What passes between the run and the server, each on threads of its own. Nothing grows: of frames
-/// the newest stays, of all else so many that nobody who reads misses one.
+/// The exchange between the run and the server, each on separate threads. Its memory is bounded: it
+/// keeps the newest frame, and of all other messages as many as a reader needs to miss none.
 class RunChannel {
  public:
   // From the run.
   int viewers() const { return viewers_; }
-  bool is_watched() const { return viewers_ > 0; }  ///< whether frames are worth copying
+  bool is_watched() const { return viewers_ > 0; }  ///< true if frames are worth copying
   bool is_read() const { return readers_ > 0; }     ///< and lines
   void put_frame(FrameCopy frame);
-  /// A frame that nobody watches: whoever comes later is not shown the one before it.
+  /// A frame without viewers: later viewers are not shown the one before it.
   void pass_frame();
   void put_line(std::string line);
   void put_settings(std::string settings);

@@ -148,7 +148,8 @@ class TcpServer final : public Server {
     }
   }
 
-  /// Tells clients when no frame comes: they cannot tell a run that waits from a slow connection.
+  /// Notifies clients when no frame comes, because they cannot distinguish a run that waits from a
+  /// slow connection.
   void watch_frames() {
     stillness_.expires_after(hub_.setup.limits.still);
     stillness_.async_wait([this](const error_code& code) {
@@ -160,7 +161,7 @@ class TcpServer final : public Server {
     });
   }
 
-  /// Whether clients are to be told that they come again.
+  /// True if clients must be notified that frames come again.
   bool frames_come() {
     const bool was_still = std::exchange(hub_.is_still, false);
     if (was_still) ++hub_.still_count;
@@ -168,8 +169,8 @@ class TcpServer final : public Server {
     return was_still;
   }
 
-  /// Clients that are not through in half of the time are told so at once; the thread ends when all
-  /// have gone.
+  /// Clients that are not finished in half of the time are notified at once; the thread ends when
+  /// all have gone.
   void end() {
     receive();
     error_code ignored;

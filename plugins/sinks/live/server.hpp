@@ -10,11 +10,11 @@
 
 namespace weft::live {
 
-/// HTTP and WebSockets at one port, served by a thread of its own.
+/// HTTP and WebSockets at one port, served by a separate thread.
 class Server {
  public:
   virtual ~Server() = default;
-  /// Another one than was asked for where that was 0.
+  /// The actual port, where the requested one is 0.
   virtual std::uint16_t port() const = 0;
   /// Lets clients have the newest frame and ends them all, within Limits::end.
   virtual void finish() = 0;

@@ -33,7 +33,7 @@ Error unreadable(const std::string& file) {
 Result<std::string> token_in(const std::string& file) {
   const OpenFile opened(file);
   struct stat about {};
-  // Of what was opened, not of the name: another file may have it by now.
+  // Checks the opened file, not the name, because another file may have that name now.
   if (opened.descriptor < 0 || fstat(opened.descriptor, &about) != 0) return unreadable(file);
   constexpr mode_t kOthers = S_IRWXG | S_IRWXO;
   if (about.st_uid == geteuid() && (about.st_mode & kOthers) != 0) {

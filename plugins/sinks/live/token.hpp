@@ -6,8 +6,8 @@
 
 namespace weft::live {
 
-/// The token in a file, without the white space around it. As ssh does with keys, a file of this
-/// user that other users can read is refused; files of others, such as those that a container
+/// The token in a file, without the white space around it. As ssh does with keys, it refuses a file
+/// of this user that other users can read. Files of other users, such as those that a container
 /// mounts, are read as they are.
 Result<std::string> token_in(const std::string& file);
 

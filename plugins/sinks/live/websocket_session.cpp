@@ -34,7 +34,7 @@ class WebSocketSession final : public Client,
 
   void run(const Request& request, std::string_view subprotocol) {
     const Limits& limits = hub_.setup.limits;
-    beast::get_lowest_layer(socket_).expires_never();  // it has timeouts of its own
+    beast::get_lowest_layer(socket_).expires_never();  // it has separate timeouts
     socket_.set_option(websocket::stream_base::timeout{limits.request, limits.silence, true});
     socket_.set_option(websocket::stream_base::decorator(
         [name = std::string(subprotocol)](websocket::response_type& response) {
@@ -126,7 +126,7 @@ class WebSocketSession final : public Client,
 
   /// Between messages alone, and where the client does not close just now: Beast wants it so.
   void say_why() {
-    if (!socket_.is_open()) return;  // what is under way ends with an error
+    if (!socket_.is_open()) return;  // operations in progress end with an error
     socket_.async_close(reason_, [self = shared_from_this()](const error_code&) { self->drop(); });
   }
 

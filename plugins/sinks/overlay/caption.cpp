@@ -40,7 +40,7 @@ std::string agreement_of(const SinkInput& in) {
 
 std::string why_not_measured(const SinkInput& in) {
   const std::int64_t kept = kept_matches(in);
-  return kept == 0 ? "no match was left to go by"
+  return kept == 0 ? "no match was kept"
                    : counted(kept, "match", "es") + " kept, but no shape was found for them";
 }
 

@@ -8,10 +8,10 @@
 
 namespace weft::overlay {
 
-/// What is said of a frame, in words.
+/// The description of a frame, in words.
 struct Caption {
   std::string state;   ///< "no result" where there is no shape
-  std::string reason;  ///< what speaks for the state, as far as the records of the frame tell
+  std::string reason;  ///< evidence for the state, as far as the records of the frame have it
   std::string place;   ///< stem and time
   std::optional<double> confidence;  ///< [] 0 to 1; none without a shape
 };

@@ -17,7 +17,7 @@ namespace {
 constexpr double kFarAway_px = 1e6;  // beyond this the fixed-point numbers of OpenCV overflow
 // Relative to the border.
 constexpr double kHaloOpacity = 0.4, kInnerOpacity = 0.55, kUnseenOpacity = 0.45;
-constexpr double kDash_px = 6.0;  // drawn, and as much left out
+constexpr double kDash_px = 6.0;  // lengths of a dash and of a gap
 
 bool drawable(const cv::Point2d& p) {
   return std::abs(p.x) < kFarAway_px && std::abs(p.y) < kFarAway_px;  // false for NaN
@@ -30,7 +30,7 @@ struct Segment {
 /// Appends the dashes of a segment: one at either end, and gaps as long as they are. They are thin,
 /// as their round ends eat into the gaps.
 void add_dashes(const Segment& segment, std::vector<Segment>& dashes) {
-  constexpr double kMost = 1000.0;  // of segments that leave the picture
+  constexpr double kMost = 1000.0;  // largest number of pieces, for segments that leave the image
   const cv::Point2d way = segment.to - segment.from;
   const double wanted = std::clamp(std::hypot(way.x, way.y) / kDash_px, 1.0, kMost);
   const int pieces = 2 * static_cast<int>(0.5 * wanted) + 1;
@@ -85,7 +85,7 @@ MeshStyle style_of(const Shape& shape, int line_width_px) {
 }
 
 std::vector<std::uint8_t> drawn_edges(const Points3View& rest_m, const MeshTopology& topology) {
-  constexpr double kTolerance = 1e-3;  // of the edge
+  constexpr double kTolerance = 1e-3;  // share of the edge
   std::vector<std::uint8_t> drawn(to_index(topology.edges.rows()), 1);
   Eigen::Index pair = 0;  // they follow the edges that have two faces
   for (Eigen::Index e = 0; e < topology.edges.rows(); ++e) {

@@ -10,7 +10,7 @@
 
 namespace weft::overlay {
 
-/// How a mesh is drawn.
+/// The style of a mesh.
 struct MeshStyle {
   cv::Scalar colour;      ///< BGR
   double opacity = 1.0;   ///< [] 0 to 1
@@ -23,11 +23,11 @@ MeshStyle style_of(const Shape& shape, int line_width_px);
 /// [E] 1 for the edges that become lines: all but those that halve a rectangle of the rest shape.
 std::vector<std::uint8_t> drawn_edges(const Points3View& rest_m, const MeshTopology& topology);
 
-/// Draws the edges of a mesh that `drawn` [E] tells, anti-aliased, at sub-pixel positions
-/// `vertices_px` [V,2]; those inside are fainter than the border. Edges that are not seen are
-/// fainter still and dashed: those of which `visible` [V] says so of both ends or, where it is
-/// empty, whose faces all turn away from the camera. Edges with a vertex that is not finite (it is
-/// not in front of the camera) or far outside are left out.
+/// Draws the edges of a mesh that `drawn` [E] selects, anti-aliased, at sub-pixel positions
+/// `vertices_px` [V,2]; inner edges are fainter than the border. Hidden edges are fainter still and
+/// dashed. An edge is hidden if `visible` [V] is 0 at both ends or, where it is empty, if all its
+/// faces turn away from the camera. Edges with a vertex that is not finite (it is not in front of
+/// the camera) or far outside are omitted.
 void draw_mesh(cv::Mat& canvas, const Points2View& vertices_px, const FacesView& faces,
                const MeshTopology& topology, const std::vector<std::uint8_t>& drawn,
                std::span<const std::uint8_t> visible, const MeshStyle& style);

@@ -14,7 +14,7 @@
 namespace weft::overlay {
 namespace {
 
-constexpr double kReach = 1.25;  // of the floor, in radii
+constexpr double kReach = 1.25;  // reach of the floor, in radii
 
 bool is_near(const cv::Point2d& p, const cv::Mat& canvas) {  // false for NaN
   return std::abs(p.x) < 10.0 * canvas.cols && std::abs(p.y) < 10.0 * canvas.rows;
@@ -35,7 +35,7 @@ void lay(cv::Mat& canvas, const cv::Mat1b& mask, const cv::Scalar& colour, doubl
   }
 }
 
-/// A floor that is being drawn; points are m from the middle along x and z.
+/// A floor during its rendering; points are m from the middle along x and z.
 struct Floor {
   const Orbit& orbit;
   double floor_m, reach_m;

@@ -11,12 +11,12 @@
 namespace weft::overlay {
 
 /// A camera that swings around the middle of an object, from one side of the real camera to the
-/// other and back, looking down on it a little. Points are of the real camera's frame, in which y
+/// other and back, and looks down on it a little. Points are in the real camera's frame, in which y
 /// points down.
 class Orbit {
  public:
-  /// The whole of a ball of `radius_m` around the middle is seen in a picture of this size. One
-  /// swing to and fro takes `turn_frames` frames; 0 stands still.
+  /// The whole of a ball of `radius_m` around the middle is seen in an image of this size. One
+  /// swing there and back takes `turn_frames` frames; 0 keeps the camera still.
   Orbit(const Eigen::Vector3d& middle_m, double radius_m, cv::Size size, std::uint64_t frame,
         int turn_frames)
       : middle_m_(middle_m), distance_m_(kDistance * radius_m) {
@@ -52,7 +52,7 @@ class Orbit {
 
  private:
   static constexpr double kDistance = 3.6;  // in radii
-  static constexpr double kMiddle = 0.46;   // of the height: below is the floor
+  static constexpr double kMiddle = 0.46;   // share of the height: below is the floor
   static constexpr double kHeight_rad = 0.34, kMostTurn_rad = 0.85, kFirstPhase_rad = 0.6;
 
   Eigen::Vector3d middle_m_;

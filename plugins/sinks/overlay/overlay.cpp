@@ -23,8 +23,8 @@ namespace fs = std::filesystem;
 enum class View { side, image };
 enum class Format { png, jpg };
 
-/// A video of the frames with the estimated mesh drawn over them, beside them the mesh from the
-/// side, and below what is known of it in words.
+/// A video of the frames with the estimated mesh over them, the mesh from the side beside them, and
+/// a description in words below.
 class Overlay final : public Sink {
  public:
   static constexpr About kAbout{.needs = "image camera template",
@@ -153,7 +153,7 @@ class Overlay final : public Sink {
     return measured;
   }
 
-  /// [V] what is said of this very shape; empty where nothing is.
+  /// [V] visibility of this very shape; empty where unknown.
   static std::span<const std::uint8_t> visible_in(const SinkInput& in) {
     if (!in.visibility || in.visibility->visible.rows() != in.shape->vertices_m.rows()) return {};
     return {in.visibility->visible.data(), to_index(in.visibility->visible.rows())};
@@ -185,7 +185,7 @@ class Overlay final : public Sink {
       return Error{Errc::unsupported, "OpenCV cannot write the frame as " + extension};
     }
     std::error_code status;
-    fs::create_directories(path.parent_path(), status);  // writing says why it cannot
+    fs::create_directories(path.parent_path(), status);  // writing reports why it cannot
     return write_whole({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path,
                        Durability::unsynced);
   }

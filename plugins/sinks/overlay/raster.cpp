@@ -24,12 +24,12 @@ cv::Rect box_of(const std::array<Corner, 3>& corners, cv::Size size) {
   return {x0, y0, std::max(0, x1 - x0 + 1), std::max(0, y1 - y0 + 1)};
 }
 
-/// A triangle that is about to be drawn.
+/// A triangle before its rendering.
 struct Triangle {
   const std::array<Corner, 3>& corners;
   const std::array<bool, 3>& sides;
   double line_px;
-  std::array<cv::Point2d, 3> gradient;  ///< of the weights, 1/px
+  std::array<cv::Point2d, 3> gradient;  ///< gradients of the weights, 1/px
   std::array<double, 3> height_px;      ///< above each side
 
   cv::Vec3d weights(double x, double y) const {

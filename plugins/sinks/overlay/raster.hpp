@@ -15,7 +15,7 @@ struct Corner {
   double pallor = 0.0;    ///< [] 0 to 1, how far the colour fades
 };
 
-/// What is nearest at each pixel of a canvas. Where nothing is, only `nearness` is set.
+/// The nearest surface at each pixel of a canvas. Where nothing is, only `nearness` is set.
 struct Raster {
   explicit Raster(cv::Size size);
 
@@ -23,11 +23,11 @@ struct Raster {
   cv::Mat2f uv_px;
   cv::Mat1f light, pallor;
   cv::Mat1f line;   ///< 0 to 1, how much of an edge covers the pixel
-  cv::Rect window;  ///< holds all that is drawn
+  cv::Rect window;  ///< contains everything rendered
 };
 
-/// Draws a triangle where nothing nearer is drawn yet, texture in perspective; side k, opposite to
-/// corner k, is a line of `line_px` width where `sides[k]` is set.
+/// Renders a triangle where nothing nearer is rendered yet, with texture in perspective. Side k,
+/// opposite to corner k, is a line of `line_px` width where `sides[k]` is set.
 void draw_triangle(Raster& raster, const std::array<Corner, 3>& corners,
                    const std::array<bool, 3>& sides, double line_px);
 

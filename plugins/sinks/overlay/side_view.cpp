@@ -15,8 +15,9 @@
 namespace weft::overlay {
 namespace {
 
-constexpr int kFiner = 2, kMostFine_px = 1600;  // drawn larger and then made smaller: anti-aliased
-constexpr double kMargin = 0.94;     // of the radius: a bent surface does not fill the ball
+constexpr int kFiner = 2, kMostFine_px = 1600;  // rendered larger and then made smaller:
+                                                // anti-aliased
+constexpr double kMargin = 0.94;     // share of the radius: a bent surface does not fill the ball
 constexpr double kBackPallor = 0.8;  // how blank the back of the surface is
 constexpr double kUnmeasuredPallor = 0.62;
 constexpr double kHaze = 0.22;  // how far the far side fades
@@ -36,7 +37,7 @@ cv::Mat bgr_texture(const Template& templ) {
   return texture;
 }
 
-/// For each side of a face whether it is drawn.
+/// For each side of a face, true if it becomes a line.
 std::vector<std::array<bool, 3>> sides_of(const FacesView& faces, const MeshTopology& topology,
                                           const std::vector<std::uint8_t>& drawn) {
   std::vector<std::array<bool, 3>> sides(to_index(faces.rows()), {false});
@@ -70,7 +71,7 @@ Points3 normals_of(const Points3View& vertices, const FacesView& faces) {
   return normals;
 }
 
-/// Of a matt surface in the light of a lamp behind the viewer and from all around.
+/// The light on a matt surface from a lamp behind the viewer and from all around.
 double light_on(const Eigen::Vector3d& normal) {
   static const Eigen::Vector3d to_lamp = Eigen::Vector3d(-0.5, -0.62, -0.6).normalized();
   constexpr double kAmbient = 0.6;

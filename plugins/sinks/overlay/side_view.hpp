@@ -16,15 +16,15 @@
 namespace weft::overlay {
 
 /// The textured mesh as an orbiting camera sees it, above a floor with a grid and its shadow. The
-/// scale is the same in all frames; the middle of the mesh stands in the middle of the picture.
+/// scale is the same in all frames; the middle of the mesh is in the middle of the image.
 class SideView {
  public:
   SideView() = default;
-  /// `drawn` [E] tells which edges become lines; `turn_frames` is Orbit's.
+  /// `drawn` [E] selects the edges that become lines; `turn_frames` is Orbit's.
   SideView(const Template& templ, const MeshTopology& topology,
            const std::vector<std::uint8_t>& drawn, cv::Size size, int turn_frames);
 
-  /// Draws a shape in frame `frame`; `measured` [V] is 0 where the surface is drawn pale.
+  /// Renders a shape in frame `frame`; `measured` [V] is 0 where the surface is pale.
   void draw(cv::Mat panel, const Shape& shape, const std::vector<double>& measured,
             std::uint64_t frame) const;
   /// Draws the empty floor, and why there is nothing on it.
@@ -41,7 +41,7 @@ class SideView {
   void colour(cv::Mat& canvas, const Raster& raster, const cv::Scalar& line_colour) const;
   void label(cv::Mat& panel, const std::string& pale) const;
 
-  cv::Size fine_size_;  ///< the mesh is drawn larger than the panel, which makes it smooth
+  cv::Size fine_size_;  ///< the mesh is rendered larger than the panel, for smoothness
   Faces faces_;         ///< [F,3]
   std::vector<std::array<bool, 3>> sides_;  ///< [F] whether the side opposite a corner is a line
   cv::Mat texture_;                         ///< BGR, with a pixel for about a pixel of the canvas

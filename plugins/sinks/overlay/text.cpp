@@ -9,10 +9,10 @@ namespace weft::overlay {
 namespace {
 
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-constexpr int kStrokeScale = 4;       // letters are strokes: drawn larger, they become smooth
-constexpr double kCapital_px = 21.0;  // of this font at scale 1
+constexpr int kStrokeScale = 4;       // letters are strokes: rendered larger, they become smooth
+constexpr double kCapital_px = 21.0;  // height of a capital of this font at scale 1
 
-/// How the text is drawn before it is made smaller.
+/// The parameters of the text before it is made smaller.
 struct Strokes {
   double scale;
   int thickness;
@@ -23,7 +23,7 @@ struct Strokes {
 Strokes strokes_of(const std::string& text, double capital_px, bool is_bold) {
   Strokes strokes{};
   strokes.scale = kStrokeScale * capital_px / kCapital_px;
-  const double share = is_bold ? 0.18 : 0.13;  // of the height of a capital
+  const double share = is_bold ? 0.18 : 0.13;  // share of the height of a capital
   strokes.thickness = std::max(1, static_cast<int>(std::lround(share * kStrokeScale * capital_px)));
   strokes.size = cv::getTextSize(text, kFont, strokes.scale, strokes.thickness, &strokes.below);
   strokes.below += strokes.thickness;

@@ -6,7 +6,7 @@
 
 namespace weft::overlay {
 
-/// What of a text stands at the point that is given.
+/// The part of a text that is placed at the given point.
 enum class Anchor { left, centre, right };
 
 struct TextStyle {

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 bool is_avi(const std::string& path) { return path.ends_with(".avi"); }
 
-/// Makes an empty file, so that the system can say what is wrong; FFmpeg does not.
+/// Makes an empty file, so that the system can report an error; FFmpeg does not.
 Result<void> check_writable(const std::string& path) {
   constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC;
   const int file = ::open(path.c_str(), kFlags, 0666);
@@ -39,7 +39,7 @@ Result<void> VideoFile::open(const std::string& path, double fps, cv::Size size)
   part_ = 1;
   first_failure_ = {};
   std::error_code status;
-  fs::create_directories(fs::path(path).parent_path(), status);  // opening says why it cannot
+  fs::create_directories(fs::path(path).parent_path(), status);  // opening reports why it cannot
   return open_part();
 }
 

@@ -10,9 +10,10 @@
 
 namespace weft::overlay {
 
-/// A video of JPEG pictures: `.avi` as AviFile writes it, `.mkv` by FFmpeg, which says nothing of a
-/// full disk before the video is closed and read again. An `.avi` of more than 2 GiB is not for all
-/// players, so a longer video goes on in NAME_2.avi, NAME_3.avi and so on, over no other file.
+/// A video of JPEG images: `.avi` as AviFile writes it, or `.mkv` by FFmpeg. FFmpeg reports no full
+/// disk before the video is closed and read again. Some players do not accept an `.avi` of more
+/// than 2 GiB, so a longer video continues in NAME_2.avi, NAME_3.avi and so on. It overwrites no
+/// other file.
 class VideoFile {
  public:
   static constexpr std::uint64_t kMostBytesOfAvi = 1'900'000'000;
@@ -28,7 +29,7 @@ class VideoFile {
   /// `picture` is BGR and has the size of the video. Fails when it cannot be written, as far as
   /// that is known, or when the next part cannot be opened.
   Result<void> write(const cv::Mat& picture);
-  /// Fails when the video on the disk has not all pictures that it was given; closed it is anyway.
+  /// Fails when the video on the disk lacks images; it is closed in any case.
   Result<void> close();
 
  private:
@@ -43,7 +44,7 @@ class VideoFile {
   cv::Size size_;
   int part_ = 1;
   std::string part_path_;
-  std::int64_t given_ = 0;  ///< [] pictures of this part
+  std::int64_t given_ = 0;  ///< [] images of this part
   Result<void> first_failure_;
   AviFile avi_;
   cv::VideoWriter writer_;

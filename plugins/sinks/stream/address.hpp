@@ -16,7 +16,8 @@ struct Address {
   std::uint16_t port = 0;
 };
 
-/// Of `tcp://127.0.0.1:5005`, `udp://[::1]:5005`, `tcp://localhost:5005`. Names are not looked up.
+/// The address in `tcp://127.0.0.1:5005`, `udp://[::1]:5005`, `tcp://localhost:5005`. Names are not
+/// looked up.
 Result<Address> parse_address(const std::string& text);
 
 }  // namespace weft::stream

@@ -44,7 +44,8 @@ void add_rows(std::string& text, const Array<double>& array, AddRow&& add_row) {
   text += ']';
 }
 
-/// Why the shape is less sure than its solver says, as the host has it; a shape without has no key.
+/// The reason why the host gives the shape less confidence than its solver; a shape without one has
+/// no key.
 void add_reason(std::string& text, const Shape& shape) {
   const auto* reason = shape.others.find<std::uint8_t>("x.weft.reason");
   if (reason == nullptr) return;

@@ -7,12 +7,12 @@
 
 namespace weft::stream {
 
-/// What readers get of one frame.
+/// The content of one frame that readers receive.
 struct FramePoints {
   std::uint64_t frame;  ///< [] of the source, from 0
   double time_s;        ///< [] s since the first frame; NaN where the source gives none
   const Shape& shape;
-  bool covariance;  ///< whether that of the shape, if it has one, is part of the message
+  bool covariance;  ///< true if the covariance of the shape, if it has one, is part of the message
 };
 
 /// One line of JSON, with its end; numbers are the shortest that read back as the same double.

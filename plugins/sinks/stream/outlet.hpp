@@ -21,15 +21,16 @@ class Outlet {
 
 using MadeOutlet = Result<std::unique_ptr<Outlet>>;
 
-/// A file, a named pipe that somebody reads, or /dev/stdout. Each message is written; who reads a
-/// pipe slowly holds `send` back, until the call is cancelled. What failed once stays failed.
+/// A file, a named pipe with a reader, or /dev/stdout. Each message is written; a slow reader of a
+/// pipe blocks `send`, until the call is cancelled. After a failure, all later calls fail.
 MadeOutlet open_path(const std::string& path);
 
-/// Listens. Whoever connects is sent the newest message, and later ones as fast as it reads: what
-/// it is too slow for is left out. `send` waits for nobody, `finish` for at most half a second.
+/// Listens. Each client receives the newest message when it connects, and later ones as fast as it
+/// reads; those that it is too slow for are omitted. `send` never waits, and `finish` waits at most
+/// half a second.
 MadeOutlet listen_at(const Address& address, const std::string& name);
 
-/// One datagram for each message, to an address where somebody may listen or not.
+/// Sends one datagram for each message to an address, with or without a listener.
 MadeOutlet send_to(const Address& address, const std::string& name);
 
 }  // namespace weft::stream

@@ -18,7 +18,8 @@
 namespace weft::stream {
 namespace {
 
-/// While it lives, a write of this thread into a pipe that nobody reads says so and ends nothing.
+/// During its lifetime, a write of this thread into a pipe without a reader returns an error
+/// instead of ending the process.
 class NoPipeSignal {
  public:
   NoPipeSignal() {
@@ -42,7 +43,7 @@ class NoPipeSignal {
 Error cannot_write(const std::string& path, int reason) {
   if (reason == EPIPE) {
     return {Errc::io,
-            "nobody reads " + path + " any more: keep its reader running, or write a file",
+            "no process reads " + path + " any more: keep its reader running, or write a file",
             {}};
   }
   const std::error_code code(reason, std::generic_category());
@@ -77,7 +78,8 @@ class PathOutlet final : public Outlet {
     while (!bytes.empty()) {
       pollfd place{file_, POLLOUT, 0};
       const int ready = poll(&place, 1, kAskEveryMs);
-      if (ready == 0 && call.cancelled()) return Error{Errc::cancelled, "nobody reads " + path_};
+      if (ready == 0 && call.cancelled())
+        return Error{Errc::cancelled, "no process reads " + path_};
       if (ready <= 0) continue;
       const ssize_t written = ::write(file_, bytes.data(), std::min(bytes.size(), most_at_once_));
       if (written < 0 && errno != EINTR && errno != EAGAIN) return cannot_write(path_, errno);
@@ -88,7 +90,7 @@ class PathOutlet final : public Outlet {
 
   int file_;
   std::string path_;
-  /// So much finds room in a pipe that is ready: nothing else would keep a write from waiting.
+  /// A pipe that is ready has room for this many bytes: larger writes would block.
   std::size_t most_at_once_ = std::numeric_limits<std::size_t>::max();
   Result<void> status_;
 };
@@ -101,13 +103,13 @@ MadeOutlet open_path(const std::string& path) {
     // Opened by its name a file would be written from its beginning.
     file = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
   } else {
-    std::error_code ignored;  // what is missing is told by open()
+    std::error_code ignored;  // open() reports a missing folder
     std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ignored);
     file = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC, 0666);
   }
   if (file >= 0) return std::unique_ptr<Outlet>(std::make_unique<PathOutlet>(file, path));
   if (errno == ENXIO) {
-    return Error{Errc::io, "nobody reads the named pipe " + path + ": start its reader first"};
+    return Error{Errc::io, "no process reads the named pipe " + path + ": start its reader first"};
   }
   return cannot_write(path, errno);
 }

@@ -65,8 +65,8 @@ class Stream final : public Sink {
   Result<Address> destination() const {
     if (to_.empty() != path_.empty()) return to_.empty() ? Address{} : parse_address(to_);
     return Error{Errc::invalid_value,
-                 (to_.empty() ? "says neither 'to' nor 'path'; " : "says both 'to' and 'path'; ") +
-                     std::string("say one of them, such as to: tcp://127.0.0.1:5005")};
+                 (to_.empty() ? "has neither 'to' nor 'path'; " : "has both 'to' and 'path'; ") +
+                     std::string("give one of them, such as to: tcp://127.0.0.1:5005")};
   }
 
   Result<void> check_shape(const Shape& shape) const {

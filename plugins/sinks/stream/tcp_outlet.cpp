@@ -28,7 +28,7 @@ struct Reader {
   Message sending, next;  ///< the second one waits for the first; null for none
 };
 
-/// A thread of its own serves the readers: all that it holds but the two flags is its own.
+/// A separate thread serves the readers: it alone uses all members but the two flags.
 class TcpOutlet final : public Outlet {
  public:
   TcpOutlet() : acceptor_(context_), work_(asio::make_work_guard(context_)) {}

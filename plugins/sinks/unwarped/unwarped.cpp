@@ -13,7 +13,7 @@ namespace {
 
 enum class Format { png, jpg };
 
-/// The image of each frame with a shape, drawn back onto the flat texture.
+/// The image of each frame with a shape, mapped back onto the flat texture.
 class Unwarped final : public Sink {
  public:
   static constexpr About kAbout{.needs = "image camera template shape"};
@@ -27,7 +27,7 @@ class Unwarped final : public Sink {
   Result<void> open(const Call&) override { return output_folder::make(path_); }
 
   Result<void> write(const SinkInput& in) override {
-    // A shape that this frame did not show would take the image apart at random.
+    // A shape that this frame did not show would distort the image at random.
     const ShapeState state = in.shape->shape_state();
     if (state != ShapeState::estimated && state != ShapeState::weak) return {};
     const Template& templ = *in.templ;

@@ -14,7 +14,7 @@ namespace weft::bartoli_conformal {
 namespace {
 
 constexpr std::size_t kFewestPoints = 50;
-// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+// Fitted to simulated surfaces: docs/evidence/0023-confidence-of-solvers.md.
 constexpr solvers::ConfidenceWeights kConfidence{.bias = -28.556,
                                                  .strain = -1.686,
                                                  .strain_p95 = -1.435,

@@ -16,12 +16,14 @@ struct ConformalSurface {
   double other_scale_spread = 0.0;  ///< [] of the other surface that the warp allows
 };
 
-/// Of a surface that is conformal to the template, metric s^2 K with an unknown local scale s, the
-/// warp tells grad(psi) up to its sign, psi = log(theta) the logarithm of the distance:
-///   grad(psi) grad(psi)^T = rho K - G,  rho = s^2 / theta^2 the largest eigenvalue of (G, K).
+/// For a surface that is conformal to the template, with the metric s^2 K and an unknown local
+/// scale s, the warp gives grad(psi). Its sign is unknown. Here psi = log(theta) is the logarithm
+/// of the distance:
+///     grad(psi) grad(psi)^T = rho K - G,  rho = s^2 / theta^2 the largest eigenvalue of (G, K).
 /// The isometric distance d is 1 / sqrt(rho), so grad(psi) is the isometric gradient over d and s
-/// is theta / d. The signs are continued over the grid, psi is integrated, and of psi and -psi the
-/// one is taken of which s varies less (Bartoli et al., Shape-from-Template, TPAMI 37(10), 2015).
+/// is theta / d. The signs are continued over the grid, and psi is integrated. The function keeps
+/// psi or -psi, whichever has the smaller variation of s (Bartoli et al., Shape-from-Template,
+/// TPAMI 37(10), 2015).
 Result<ConformalSurface> conformal_surface(solvers::SplineEquations& equations,
                                            const solvers::IsometricReading& reading,
                                            double smoothing);

@@ -8,10 +8,10 @@
 
 namespace weft::bartoli_conformal {
 
-/// The sign, 1 or -1, with which each gradient [n,2] goes on where its neighbours along u and v
-/// end: it spreads from the longest gradient, first between neighbours whose product is largest, so
-/// that places where the gradient vanishes are passed last. Each part of the grid that hangs
-/// together has a sign of its own left, for both of which its first place has 1.
+/// The sign, 1 or -1, with which each gradient [n,2] continues its neighbours along u and v. It
+/// spreads from the longest gradient, first between neighbours with the largest product, so that it
+/// passes the zeros of the gradient last. Each connected part of the grid keeps one free sign, for
+/// which the first place of the part has 1.
 std::vector<double> continuous_signs(const std::vector<solvers::WarpPlace>& places,
                                      const Points2View& gradients);
 

@@ -13,7 +13,7 @@ namespace weft::bartoli_isometric {
 namespace {
 
 constexpr std::size_t kFewestPoints = 16;
-// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+// Fitted to simulated surfaces: docs/evidence/0023-confidence-of-solvers.md.
 constexpr solvers::ConfidenceWeights kConfidence{.bias = -27.760,
                                                  .strain = -0.588,
                                                  .strain_p95 = -0.576,

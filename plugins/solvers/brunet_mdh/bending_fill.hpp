@@ -11,13 +11,13 @@
 
 namespace weft::brunet_mdh {
 
-/// Places all vertices when some surface points have been placed: X = X_rigid + Y, where X_rigid is
-/// the rest mesh brought rigidly to the placed points, and Y takes those points where they belong
-/// with the least bending
-///   sum over hinges h of  weight_h |sum_k coefficient_hk Y_hk|^2  +  1e-6 / s^2 |Y|^2,
-/// hinges as in BendingHinge, s the mean edge length. The small second term decides what the first
-/// leaves open. Vertices among the points are met exactly, points
-/// inside faces in the least-squares sense.
+/// Places all vertices when some surface points have been placed: X = X_rigid + Y. X_rigid is the
+/// rest mesh aligned rigidly with the placed points. Y moves these points to their places with the
+/// least bending
+///     sum over hinges h of  weight_h |sum_k coefficient_hk Y_hk|^2  +  1e-6 / s^2 |Y|^2,
+/// hinges as in BendingHinge, s the mean edge length. The small second term makes the minimum
+/// unique. Vertices among the points are met exactly, points inside faces in the least-squares
+/// sense.
 class BendingFill {
  public:
   /// Analyses and factorises for these points. The result of place() depends on these alone.

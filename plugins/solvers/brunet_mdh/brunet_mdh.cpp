@@ -149,8 +149,7 @@ class BrunetMdh final : public Solver {
       guesses.push_back(edge.rest_length_m / spread);
     }
     if (spreads.empty()) return no_result("all sightlines coincide: the depth is not bounded");
-    // A point of a flat sheet seen from the front is held by its edges with 2 / spread of tension
-    // in all, shared among them.
+    // The edges of a point of a flat frontal surface share a total tension of 2 / spread.
     const double edges_per_point = 2.0 * static_cast<double>(problem_.edges.size()) /
                                    static_cast<double>(problem_.points.size());
     const double usual_tension = 2.0 * median_in_place(spreads) / edges_per_point;
@@ -245,7 +244,7 @@ class BrunetMdh final : public Solver {
 
   std::optional<RestSurface> surface_;
   std::uint64_t surface_revision_ = 0;
-  std::vector<KnownSurfacePoint> known_;  ///< of this frame
+  std::vector<KnownSurfacePoint> known_;  ///< known points of this frame
   std::uint64_t problem_revision_ = 0;
   DepthProblem problem_;
   DepthAdmm admm_;

@@ -39,8 +39,8 @@ struct DepthResult {
 ///                               |mu_i v_i - c_a| <= r_a         for all anchors a of points i,
 /// by ADMM: with A mu the stacked differences, z their copies in the balls and y the scaled
 /// multipliers,
-///   mu <- (A'A + 1e-9 I)^-1 (A'(z - y) + 1/rho),   w = a A mu + (1 - a) z + y,
-///   z <- w projected on the balls,   y <- w - z,   a = 1.6,
+///     mu <- (A'A + 1e-9 I)^-1 (A'(z - y) + 1/rho),   w = a A mu + (1 - a) z + y,
+///     z <- w projected on the balls,   y <- w - z,   a = 1.6,
 /// in units of the median distance; anchors are edges to points that stay where they are. With
 /// slack, an excess s costs penalty * s and the projection becomes a shrinkage. Brunet, Hartley,
 /// Bartoli, CVIU 125 (2014); Boyd et al. (2011).
@@ -49,8 +49,8 @@ class DepthAdmm {
   /// Analyses the graph; the edges must connect [0, count) and lengths be positive.
   void set_graph(std::span<const DistanceConstraint> edges, int count);
 
-  /// Depths along `rays` [n,3]. `cancelled` is asked now and then. The result depends on the
-  /// arguments and the graph alone.
+  /// Depths along `rays` [n,3]. The solver calls `cancelled` now and then. The result depends on
+  /// the arguments and the graph alone.
   DepthResult solve(const Points3View& rays, const DepthOptions& options,
                     const std::function<bool()>& cancelled,
                     std::span<const DepthAnchor> anchors = {});
@@ -77,7 +77,7 @@ class DepthAdmm {
   int count_ = 0;
   std::size_t graph_edges_ = 0;
   double unit_m_ = 1.0;
-  std::vector<Edge> edges_;  ///< of the graph, then anchors
+  std::vector<Edge> edges_;  ///< edges of the graph, then the anchors
   Eigen::SparseMatrix<double> normal_;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
   std::vector<double> rays_;   ///< 3 numbers a point; then the centres of the anchors

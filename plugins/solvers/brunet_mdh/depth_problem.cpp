@@ -13,7 +13,7 @@ namespace {
 constexpr double kReachable = 1.001;
 constexpr double kLeastReach_m = 1e-6;
 
-/// A known point that is one of the points is tied to it; another one is a place of its own.
+/// A known point that is one of the points is tied to it; any other one is a separate place.
 void tie_to_itself(std::size_t known, DepthProblem& problem) {
   const auto& points = problem.points;
   const auto same = std::find(points.begin(), points.end(), problem.given[problem.seen + known]);

@@ -30,7 +30,7 @@ struct DepthProblem {
   std::vector<std::size_t> unseen;        ///< known points of that part that are none of `points`
 };
 
-/// Joins the points, of which the first `seen` have a ray, by the distances within `rings` edges.
+/// Joins the points by the distances within `rings` edges; the first `seen` points have a ray.
 DepthProblem make_problem(const RestSurface& surface, std::vector<SurfacePoint> given,
                           std::size_t seen, int rings);
 

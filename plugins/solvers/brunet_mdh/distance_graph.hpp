@@ -11,8 +11,8 @@ namespace weft::brunet_mdh {
 
 /// Pairs of points whose distance at rest bounds their distance in space: all pairs within `rings`
 /// edges of each other. While that leaves separate parts, every point is joined to its nearest ones
-/// along the surface, ever more of them. Pairs without a path, and those at distance 0, are left
-/// out. Ordered by (i, j), i < j.
+/// along the surface, ever more of them. Pairs without a path, and those at distance 0, are
+/// omitted. Ordered by (i, j), i < j.
 std::vector<DistanceConstraint> distance_graph(const RestSurface& surface,
                                                std::span<const SurfacePoint> points, int rings);
 

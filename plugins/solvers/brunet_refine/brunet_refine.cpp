@@ -130,7 +130,7 @@ class BrunetRefine final : public Solver {
   SurfaceOptions surface_options_;
   FitOptions fit_options_;
 
-  std::uint64_t revision_ = 0;  ///< of the template that all of this is for
+  std::uint64_t revision_ = 0;  ///< revision of the template to which all of this belongs
   std::vector<DistanceConstraint> edges_;
   SplineRefinement surface_;
 };

@@ -18,10 +18,12 @@
 namespace weft::brunet_refine {
 namespace {
 
-/// Of the start's vertices, in areas of a knot cell: they nearly are on the spline.
+/// Smoothing of the fit to the vertices of the initial guess, in areas of a knot cell: they are
+/// nearly on the spline.
 constexpr double kStartSmoothing = 1e-3;
 
-/// Asks the host before each evaluation, and keeps the exception from passing through Ceres.
+/// Checks before each evaluation whether the host cancelled, and keeps the exception from passing
+/// through Ceres.
 class Patience final : public ceres::EvaluationCallback, public ceres::IterationCallback {
  public:
   explicit Patience(std::int64_t passes) : passes_(passes) {}

@@ -17,7 +17,7 @@
 
 namespace weft::brunet_refine {
 
-/// What does not change from frame to frame.
+/// The options that do not change from frame to frame.
 struct SurfaceOptions {
   int control = 14;         ///< [] control points along u and along v
   int places_per_cell = 2;  ///< [] along each side of a knot cell, where lengths are kept
@@ -40,10 +40,10 @@ struct RefinedSurface {
   bool converged = false;      ///< []
 };
 
-/// The isometric surface that is seen at matches q_i, by nonlinear least squares (Brunet, Bartoli,
-/// Hartley, CVIU 125, 2014): over the control points of a bicubic B-spline phi from the texture to
-/// the camera frame,
-///   min  mean_i huber(|pi(phi(p_i)) - q_i|^2 / noise^2)  +  mean_g |E(g)|^2 / (2 strain)^2
+/// The isometric surface through matches q_i, by nonlinear least squares (Brunet, Bartoli, Hartley,
+/// CVIU 125, 2014). Over the control points of a bicubic B-spline phi from the texture to the
+/// camera frame, it minimises
+///     mean_i huber(|pi(phi(p_i)) - q_i|^2 / noise^2)  +  mean_g |E(g)|^2 / (2 strain)^2
 ///        + smoothing integral |phi_xx|^2 + 2 |phi_xy|^2 + |phi_yy|^2 dA,
 /// E as in MetricDifference, from any start that is near.
 class SplineRefinement {
@@ -73,7 +73,7 @@ class SplineRefinement {
   std::deque<MetricDifference> metric_;
   std::vector<Eigen::Index> metric_corners_;
   std::deque<CellBending> bending_;  ///< one, that of every cell
-  std::deque<Reprojection> seen_;    ///< of this frame
+  std::deque<Reprojection> seen_;    ///< reprojections in this frame
   std::vector<Eigen::Index> seen_corners_;
   solvers::SplineValues control_;  ///< [nu*nv,3] m
 };

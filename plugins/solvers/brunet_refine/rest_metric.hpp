@@ -21,7 +21,7 @@ struct MetricPlace {
 SplineDomain domain_around(const Template& templ, int control);
 
 /// `per_cell` places along each side of each knot cell, those that lie on the mesh. With the rest
-/// metric K = L L^T [2,2] m^2/px^2 of the face there, the directions are the columns of L^-T: their
+/// metric K = L L^T [2,2] m^2/px^2 of the face there, the directions are the columns of L^-T. Their
 /// images are J = (phi_u, phi_v) L^-T, and the surface is isometric where J^T J = I. The template
 /// must pass validate_flat_mesh.
 Result<std::vector<MetricPlace>> metric_places(const Template& templ, const SplineDomain& domain,

@@ -52,9 +52,9 @@ class MetricDifference final : public ControlCost {
   double scale_;
 };
 
-/// A root of the bending energy of a knot cell: with F [13,16] and F^T F = cell_bending(), 13
-/// residuals scale F c for each coordinate c [16] of the control points, [39]. It leaves affine
-/// maps free, hence the three rows less.
+/// A root of the bending energy of a knot cell. With F [13,16] and F^T F = cell_bending(), there
+/// are 13 residuals scale F c for each coordinate c [16] of the control points, [39]. It leaves
+/// affine maps free, hence the three rows less.
 class CellBending final : public ControlCost {
  public:
   /// `su_m` and `sv_m` are the sides of the cell on the template at rest.

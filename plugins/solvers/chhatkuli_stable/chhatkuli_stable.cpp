@@ -15,8 +15,9 @@ namespace weft::chhatkuli_stable {
 namespace {
 
 constexpr std::size_t kFewestPoints = 50;
-constexpr double kLeastShare = 0.2;  // of the template; less bends no surface reliably
-// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+constexpr double kLeastShare = 0.2;  // least share of the template; with less, no surface bends
+                                     // reliably
+// Fitted to simulated surfaces: docs/evidence/0023-confidence-of-solvers.md.
 constexpr solvers::ConfidenceWeights kConfidence{.bias = -20.462,
                                                  .strain = -0.566,
                                                  .residual = -1.159,

@@ -28,8 +28,8 @@ double usual_slope(const solvers::IsometricReading& reading) {
   return median_in_place(slopes);
 }
 
-/// Whether each gradient [n,2] is about along its reference: the cosine of the angle between both
-/// is not less than usual by three standard deviations.
+/// True where each gradient [n,2] is about along its reference: the cosine of the angle between
+/// both is at most three standard deviations below the usual one.
 std::vector<bool> are_consistent(const Points2View& gradients, const Points2View& references) {
   std::vector<double> cosines;
   cosines.reserve(to_index(gradients.rows()));
@@ -45,7 +45,7 @@ std::vector<bool> are_consistent(const Points2View& gradients, const Points2View
   return consistent;
 }
 
-/// The gradients with the sign of their references, told by the larger component.
+/// The gradients with the sign of their references, which the larger component determines.
 Points2 signed_gradients(const solvers::IsometricReading& reading, const Points2View& references) {
   Points2 gradients(references.rows(), 2);
   for (Eigen::Index g = 0; g < gradients.rows(); ++g) {

@@ -10,10 +10,11 @@
 
 namespace weft::chhatkuli_stable {
 
-/// The surface of Chhatkuli, Pizarro, Bartoli, CVPR 2014: the gradients J_g of the distance to the
-/// camera centre, signed by the gradient of a spline through the distances themselves, integrated:
-///   min_theta  sum_g |grad(theta)(u_g) - J_g|^2 + s (bending energy of theta)
-/// Its constant is the median of what the first spline has more.
+/// The surface of Chhatkuli, Pizarro, Bartoli, CVPR 2014. It integrates the gradients J_g of the
+/// distance to the camera centre, signed by the gradient of a spline through the distances
+/// themselves:
+///     min_theta  sum_g |grad(theta)(u_g) - J_g|^2 + s (bending energy of theta)
+/// Its constant is the median excess of the first spline.
 class DepthFromGradients {
  public:
   /// On the template's `domain` px.

@@ -18,9 +18,9 @@ namespace weft::chhatkuli_stable {
 std::pair<Eigen::Vector3d, Eigen::Vector3d> candidate_normals(const solvers::WarpPlace& place,
                                                               const solvers::IsometricPoint& point);
 
-/// The surface of Chhatkuli, Pizarro, Bartoli, Collins, TPAMI 39(5), 2017: of the two normals at
-/// each place the one that is nearer to those of a spline through the direct points, and the depth
-/// over the image that fits these normals, with the median of the direct depths.
+/// The surface of Chhatkuli, Pizarro, Bartoli, Collins, TPAMI 39(5), 2017. From the two normals at
+/// each place it takes the one nearer to the normals of a spline through the direct points. It fits
+/// a depth over the image to these normals, with the median of the direct depths.
 class DepthFromNormals {
  public:
   /// With `control` control points along both sides of the square around what is seen.

@@ -15,7 +15,8 @@ namespace {
 
 constexpr int kRounds = 3;
 constexpr double kHuber = 1.345;         // 95 % efficient for normal residuals
-constexpr double kLeastScaleRad = 1e-3;  // of the residuals: exact normals all count alike
+constexpr double kLeastScaleRad = 1e-3;  // least scale of the residuals: exact normals all count
+                                         // alike
 constexpr double kLeastCosine = 0.1;
 
 /// The angle between each normal and the surface, [n] rad.

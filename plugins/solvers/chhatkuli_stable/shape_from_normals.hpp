@@ -25,7 +25,7 @@ struct DepthShape {
 
 /// With X = mu (eta, 1) and the depth mu a spline, the tangents X_k = mu_k r + mu r_k are
 /// orthogonal to the normal N:
-///   min_mu  sum w ((N.r) mu_k + (N.r_k) mu)^2 + s integral (mu_uu^2 + 2 mu_uv^2 + mu_vv^2)
+///     min_mu  sum w ((N.r) mu_k + (N.r_k) mu)^2 + s integral (mu_uu^2 + 2 mu_uv^2 + mu_vv^2)
 /// with control points of mean 1. Grazing normals weigh less, and those that disagree with the
 /// surface: by Huber's weights for the angle between both, in three rounds.
 class ShapeFromNormals {

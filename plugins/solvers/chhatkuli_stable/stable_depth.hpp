@@ -7,7 +7,8 @@ namespace weft::chhatkuli_stable {
 
 /// How stiff the splines are.
 struct Smoothing {
-  double reference = 0.01;    ///< [] of what tells the signs: bending energy in areas of the domain
+  double reference = 0.01;    ///< [] smoothing of the spline that gives the signs: bending energy
+                              ///< in areas of the domain
   double integration = 0.01;  ///< [] bending energy against squared slopes
 };
 

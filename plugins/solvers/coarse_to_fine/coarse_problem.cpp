@@ -40,7 +40,7 @@ Result<SolverInput> CoarseProblem::on_coarse_mesh(const SolverInput& in) const {
     if (!known) return known.error();
     asked.known_points = *std::move(known);
   }
-  if (in.previous_shape) {  // of another mesh it is as if there were none
+  if (in.previous_shape) {  // a shape of another mesh is ignored
     auto before = mesh_.of(*in.previous_shape);
     asked.previous_shape.reset();
     if (before) asked.previous_shape = *std::move(before);
@@ -48,7 +48,7 @@ Result<SolverInput> CoarseProblem::on_coarse_mesh(const SolverInput& in) const {
   return asked;
 }
 
-/// Those of coarse vertices, and those inside faces; what other vertices lie on is left out.
+/// Those of coarse vertices, and those inside faces; sightlines of other vertices are omitted.
 Result<Sightlines> CoarseProblem::sightlines(const Sightlines& fine, const Template& templ) const {
   auto checked = check_sightlines(fine, mesh_.fine_count(), templ.faces.rows());
   if (!checked) return checked.error();
@@ -105,9 +105,10 @@ Result<KnownPoints> CoarseProblem::known_points(const KnownPoints& fine,
     coarse.vertex(p) = v < 0 ? -1 : mesh_.coarse_of(v);
     if (coarse.vertex(p) >= 0) continue;
     if (!templ.m_per_px.present()) {
-      return Error{Errc::invalid_data, name +
-                                           " is at no vertex of the coarse mesh, and the template "
-                                           "has no m_per_px to say where else: use the fine mesh"};
+      return Error{Errc::invalid_data,
+                   name +
+                       " is at no vertex of the coarse mesh, and without m_per_px in the template "
+                       "its place is unknown: use the fine mesh"};
     }
     for (int axis = 0; axis < 2; ++axis) {
       coarse.template_xy_m(p, axis) =

@@ -9,7 +9,7 @@
 
 namespace weft::coarse_to_fine {
 
-/// What a solver is given, on a coarser mesh, and its answer on the fine one again.
+/// Restricts the input of a solver to a coarser mesh, and prolongs its result to the fine mesh.
 class CoarseProblem {
  public:
   /// Settles the mesh of about `count` vertices, fewer than the template has, by CoarseMesh.

@@ -13,12 +13,11 @@
 namespace weft::coarse_to_fine {
 namespace {
 
-// Told of every shape by the rule for all solvers, of the fine one anew.
+// The base class reports these of every shape; those of the fine shape are computed anew.
 constexpr std::array<std::string_view, 3> kReplaced{"diag.agreeing_matches", "diag.kept_matches",
                                                     "diag.agreeing_coverage"};
 
-/// Asks another solver for the shape of a coarser mesh and carries it to the vertices of the fine
-/// one.
+/// Runs another solver on a coarser mesh and prolongs its shape to the vertices of the fine one.
 class CoarseToFine final : public Solver {
  public:
   static constexpr About kAbout{
@@ -78,7 +77,7 @@ class CoarseToFine final : public Solver {
   int vertices_ = 160;
 
   CoarseProblem problem_;
-  std::uint64_t revision_ = 0;  ///< of the template that the problem is for
+  std::uint64_t revision_ = 0;  ///< revision of the template of the problem
 };
 
 }  // namespace

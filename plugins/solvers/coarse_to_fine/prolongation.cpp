@@ -14,7 +14,7 @@ namespace {
 constexpr int kRings = 2;
 constexpr Eigen::Index kEnoughForQuadratics = 10;
 constexpr double kSumOff = 1e-6;    // weights of a spline that could not be solved for
-constexpr double kNoDetail = 1e-9;  // of the size at rest
+constexpr double kNoDetail = 1e-9;  // share of the size at rest
 
 /// The coarse vertices within two rings of a face, ascending.
 std::vector<std::int32_t> around_face(const Faces& faces, const IndexLists& faces_of,

@@ -19,10 +19,11 @@ class Prolongation {
              const Points3View& rest_m);
 
   /// From coarse vertices [C,3] m to fine ones [V,3]. Near each coarse face it is the polyharmonic
-  /// spline of order 3 (r^4 log r and polynomials of degree 2) over the flat mesh through the
-  /// coarse vertices within two rings of the face: flat sheets stay flat and arcs round up to the
-  /// border, where thin plates would straighten. What the spline lacks of the shape at rest is
-  /// added in the frame of the face: a shape that only moves is met exactly.
+  /// spline of order 3 (r^4 log r and polynomials of degree 2) over the flat mesh. The spline
+  /// passes through the coarse vertices within two rings of the face. Flat surfaces stay flat and
+  /// arcs stay round up to the border, where thin plates would straighten. The difference between
+  /// the spline and the shape at rest is added in the frame of the face. A rigid motion is
+  /// therefore reproduced exactly.
   Points3 surface_m(const Points3View& coarse_m) const;
 
  private:

@@ -176,7 +176,7 @@ class CollinsIntegrated final : public Solver {
            vertices_m.col(2).minCoeff() > 0.0;
   }
 
-  /// Whether there are enough for a shape without a past.
+  /// True if there are enough matches for a shape without a previous one.
   bool has_matches() const {
     return frame_.matches.size() >= to_index(min_matches_) && !matches_lie_on_a_line();
   }
@@ -223,8 +223,8 @@ class CollinsIntegrated final : public Solver {
       why += ", all on a line of the image or in one place";
     }
     if (!tried) return why + ", and no previous shape to follow";
-    return why + ", of which " + std::to_string(tried->fit.agreeing) +
-           " agree with a shape, and the texture correlates by " +
+    return why + ", and " + std::to_string(tried->fit.agreeing) +
+           " of them agree with a shape; the texture correlates by " +
            std::to_string(tried->fit.median_zncc) + " with the image";
   }
 
@@ -243,7 +243,8 @@ class CollinsIntegrated final : public Solver {
     return degenerate(std::move(shape), doubt);
   }
 
-  /// Not calibrated: what lengths, matches and texture say, each of them enough to doubt.
+  /// Not calibrated: the product of the evidence of lengths, matches and texture, so that each
+  /// alone can lower it.
   static double confidence(const Candidate& best, const ShapeEvidence& evidence) {
     const double by_count =
         std::max(static_cast<double>(evidence.agreeing) / kSureMatches,

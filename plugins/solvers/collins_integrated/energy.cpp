@@ -61,7 +61,7 @@ double Energy::observed(const FrameData& frame, const std::vector<Observation>& 
     const double weight = loss.weight(residual.squaredNorm(), energy);
     if constexpr (wants_derivatives) {
       if (weight == 0.0) continue;
-      Eigen::Matrix<double, 2, 3> slopes;  // of the pixel, px/m
+      Eigen::Matrix<double, 2, 3> slopes;  // derivative of the pixel, px/m
       slopes << camera.fx * near, 0.0, -camera.fx * near * x, 0.0, camera.fy * near,
           -camera.fy * near * y;
       slopes = (seen.whitening_per_px * slopes).eval();
@@ -96,7 +96,7 @@ double Energy::stretched(double strain, const Points3& vertices_m, const Derivat
       const Eigen::RowVector3d slope = residual * per_m * unit.transpose();
       to.gradient->row(edge.j) += slope;
       to.gradient->row(edge.i) -= slope;
-      // What is longer than it should be resists being moved aside, too.
+      // An edge that is too long resists motion to the side, too.
       const double aside = std::max(residual, 0.0) * per_m / length_m;
       const Eigen::Matrix3d along = unit * unit.transpose();
       const Eigen::Matrix3d block =

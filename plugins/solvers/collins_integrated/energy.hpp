@@ -12,8 +12,8 @@
 
 namespace weft::collins_integrated {
 
-/// A point of a face and where it is seen, in one or two directions. Of a match the rows of W
-/// whiten its noise; of a texture sample, which is known along the normal n of its edge only, the
+/// A point of a face and its place in the image, measured in one or two directions. For a match the
+/// rows of W whiten its noise. A texture sample is known only along the normal n of its edge: the
 /// first row is n^T / sigma and the second is 0.
 struct Observation {
   std::int32_t face = 0;                                       ///< []
@@ -22,16 +22,16 @@ struct Observation {
   Eigen::Matrix2d whitening_per_px = Eigen::Matrix2d::Zero();  ///< [2,2] W, 1/px
 };
 
-/// What is known in a frame.
+/// The data of one frame.
 struct FrameData {
   Pinhole camera;
   std::vector<Observation> matches, texture;
   Points3 previous_m = Points3(0, 3);      ///< [V,3] m, camera frame; no rows: nothing is known
-  std::vector<std::uint8_t> hidden_faces;  ///< [F] 1 for those of which nothing is seen; or none
+  std::vector<std::uint8_t> hidden_faces;  ///< [F] 1 for faces without any visible part; or empty
 };
 
-/// What an observation adds to the energy that is off by r standard deviations: Huber's loss, r^2
-/// up to `scale` and linear beyond, or Tukey's, at most scale^2 / 3, beyond which it does not
+/// The energy of an observation with a residual of r standard deviations. Huber's loss is r^2 up to
+/// `scale` and linear beyond. Tukey's is at most scale^2 / 3, beyond which the observation does not
 /// count.
 struct Loss {
   double scale = 2.45;      ///< [] standard deviations
@@ -54,8 +54,9 @@ struct Scales {
 ///   + sum_edges ((|d| - l) / (strain l))^2                   isometry
 ///   + sum_hinges w |B X - rest n|^2 / (3 bend_rad^2)         bending
 ///   + sum_v |X_v - previous_v|^2 / previous_m^2              the frame before.
-/// B X is the bend of a hinge, a vector along its normal n. n is read off a shape by follow() and
-/// stands still in derivatives; a change of n is across B X - rest n and would add nothing.
+/// B X is the bend of a hinge, a vector along its normal n. Derivatives treat n as constant, and
+/// follow() reads it off a shape. A change of n is orthogonal to B X - rest n and would add
+/// nothing.
 class Energy {
  public:
   /// For a mesh, which must outlive it.

@@ -14,16 +14,16 @@ namespace weft::collins_integrated {
 namespace {
 
 constexpr double kHuber = 2.45;     // sqrt(5.991): 95 % of two normal deviates
-constexpr double kSoft = 8.0;       // lengths give way by so much more at first ...
+constexpr double kSoft = 8.0;       // factor by which lengths are softer at first ...
 constexpr double kStiff_rad = 0.1;  // ... and bends by less, which keeps corners from folding
 constexpr double kFlat_rad = 0.02;  // and so that no bend stays
-constexpr double kMuchLess = 0.99;  // of the energy
+constexpr double kMuchLess = 0.99;  // share of the energy
 constexpr int kApproach = 10;       // iterations on the matches alone
 constexpr int kMoreLooks = 1;       // at full size
 constexpr double kAgreeing_px = 3.0;
 constexpr double kOpenCosine = 0.3, kFoldedCosine = 0.0;
 constexpr int kTextureLevels = 12;
-constexpr std::int64_t kPassesPerLook = 150;  // of ten nanoseconds
+constexpr std::int64_t kPassesPerLook = 150;  // passes of about ten nanoseconds each
 
 }  // namespace
 
@@ -95,8 +95,8 @@ void IntegratedFit::search_coarse_to_fine(FrameData& frame, Fit& fit, Points3& v
   }
 }
 
-/// A bend looks much like its mirror image, and a corner may stay bent the wrong way: flattens the
-/// shape, lets it bend anew, and takes what comes of it where the same observations cost less.
+/// A bend looks much like its mirror image, and a corner may stay bent the wrong way. This flattens
+/// the shape, lets it bend again, and keeps the result where the same observations cost less.
 bool IntegratedFit::smooth_once(const FrameData& frame, Fit& fit, Points3& vertices_m) {
   other_m_ = vertices_m;
   Fit other = fit;

@@ -34,32 +34,32 @@ struct FitOptions {
 struct Fit {
   double residual_px = 0.0;  ///< [] px, median of the matches; infinite behind the camera, 0: none
   int agreeing = 0;          ///< [] matches within 3 px
-  double median_zncc = 0.0;  ///< [] of the samples in sight, where the shape has them
+  double median_zncc = 0.0;  ///< [] median over the visible samples, where the shape has them
   int in_sight = 0;          ///< [] samples whose patch could be compared
   int turned = 0;            ///< [] samples of faces that show their back or are seen from the side
-  int alike = 0;             ///< [] of those in sight, those that correlate as a sample must
+  int alike = 0;             ///< [] number of visible samples that correlate well enough
   int found = 0;             ///< [] samples of the last look
   int folds = 0;             ///< [] pairs of faces that are turned against each other
   double strain = 0.0;       ///< [] mean |l / l0 - 1| over the edges
   int iterations = 0;        ///< [] factorisations
   double energy = 0.0;       ///< [] at the end
 
-  /// How much of what was seen speaks for the shape.
+  /// The number of measurements that support the shape.
   int support() const { return agreeing + alike; }
-  /// Whether nearly all of the object is seen where it should be.
+  /// True if nearly all of the object is seen where it should be.
   bool looks_right() const { return in_sight > 0 && alike >= 0.97 * (in_sight + turned); }
 };
 
-/// The integrated method: a shape is brought to the matches of a frame, then, from coarse to fine,
-/// to the texture as well. Where parts do not look as they should, they are laid where the others
-/// lead, and all is looked for once more; the shape for which more speaks stays. Memory stays; the
-/// result depends on the arguments alone.
+/// The integrated method fits a shape to the matches of a frame, then, from coarse to fine, to the
+/// texture as well. Parts that do not look as they should are placed where the other parts lead,
+/// and the search runs once more. The shape with the larger support is kept. Memory is kept between
+/// runs; the result depends on the arguments alone.
 class IntegratedFit {
  public:
   explicit IntegratedFit(const FitOptions& options) : options_(options) {}
 
-  /// What is the same in all frames of a camera. The mesh must outlive it. Fails on a mesh that
-  /// cannot be used.
+  /// Prepares the data that are the same in all frames of a camera. The mesh must outlive it. Fails
+  /// on a mesh that cannot be used.
   Result<void> prepare(const Template& templ, const Camera& camera, const MeshModel& mesh);
 
   /// Reads the image of a frame.
@@ -69,8 +69,7 @@ class IntegratedFit {
   /// looked at where that is not wanted.
   Fit run(bool with_texture, FrameData& frame, Points3& vertices_m);
 
-  /// [V] 1 for vertices of faces with a match or a sample that speaks for the shape of the last
-  /// run.
+  /// [V] 1 for vertices of faces with a match or a sample that supports the shape of the last run.
   const std::vector<std::uint8_t>& observed() const { return observed_; }
 
  private:

@@ -10,7 +10,8 @@
 namespace weft::collins_integrated {
 namespace {
 
-constexpr double kMeshNoise_px = 0.25;  // of mesh, camera and lengths: no match knows of it
+constexpr double kMeshNoise_px = 0.25;  // noise of mesh, camera and lengths, which no match
+                                        // contains
 
 Error mistake(std::int64_t match, const std::string& problem) {
   return {Errc::invalid_data, "match " + std::to_string(match) + " " + problem};

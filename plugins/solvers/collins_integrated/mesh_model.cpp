@@ -15,8 +15,8 @@
 namespace weft::collins_integrated {
 namespace {
 
-/// Of the faces with c and with d, on the same side of a sheet that is not folded; 0 for a face
-/// without area.
+/// Normals of the faces with c and with d, on the same side of a surface that is not folded; 0 for
+/// a face without area.
 std::pair<Eigen::Vector3d, Eigen::Vector3d> normals_of(const Hinge& hinge,
                                                        const Points3& vertices_m) {
   const auto from_a = [&](std::size_t k) -> Eigen::Vector3d {

@@ -19,9 +19,9 @@ struct Edge {
   double rest_m = 0.0;        ///< [] m, length at rest, > 0
 };
 
-/// An inner edge (a, b) with the opposite vertices c and d: sum_k coefficient_per_m[k] X[vertex[k]]
-/// is 2 sin(angle / 2) long and along the mean normal of both faces, for faces of the size at rest
-/// (weft::BendingHinge).
+/// An inner edge (a, b) with the opposite vertices c and d. For faces of the size at rest, sum_k
+/// coefficient_per_m[k] X[vertex[k]] is 2 sin(angle / 2) long and along the mean normal of both
+/// faces (weft::BendingHinge).
 struct Hinge {
   std::array<std::int32_t, 4> vertex{};       ///< [4] a, b, c, d
   std::array<double, 4> coefficient_per_m{};  ///< [4] 1/m, sum 0
@@ -31,7 +31,7 @@ struct Hinge {
   double rest_cosine = 1.0;                   ///< [] between the normals of both faces, at rest
 };
 
-/// What follows from the template alone.
+/// The data that depend on the template alone.
 struct MeshModel {
   Points3 rest_m;  ///< [V,3] m, template frame
   Faces faces;     ///< [F,3]
@@ -54,8 +54,8 @@ Eigen::Vector3d bend_of(const Hinge& hinge, const Points3& vertices_m);
 /// The mean normal of the two faces of a hinge, [3] unit; 0 where one of them has no area.
 Eigen::Vector3d normal_of(const Hinge& hinge, const Points3& vertices_m);
 
-/// The cosine of the angle between the normals of both faces, -1 where one lies on the other and 1
-/// where they are in a plane; 1 too where one of them has no area.
+/// The cosine of the angle between the normals of both faces. It is -1 where one covers the other,
+/// 1 where they are in a plane, and also 1 where one of them has no area.
 double cosine_of(const Hinge& hinge, const Points3& vertices_m);
 
 }  // namespace weft::collins_integrated

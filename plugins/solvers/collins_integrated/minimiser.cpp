@@ -7,7 +7,7 @@
 namespace weft::collins_integrated {
 namespace {
 
-// Of the mean of the diagonal of H, which the lengths make large: bends must stay free.
+// Share of the mean of the diagonal of H, which the lengths make large: bends must stay free.
 constexpr double kFirstDamping = 1e-7;
 constexpr double kMore = 10.0, kLess = 1.0 / 3.0;
 constexpr int kMostRefusals = 5;

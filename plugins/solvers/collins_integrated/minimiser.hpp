@@ -16,9 +16,9 @@ struct MinimiserResult {
   bool converged = false;  ///< [] the last step was short
 };
 
-/// Levenberg's method: (H + damping I) step = -g; a step that does not lower the energy is refused
-/// and damped ten times as much, five times at most; each that does is damped a third. Nothing is
-/// allocated.
+/// Levenberg's method: (H + damping I) step = -g. A step that does not lower the energy is refused
+/// and the damping multiplied by ten, at most five times. An accepted step divides the damping by
+/// three. Allocates no memory.
 class Minimiser {
  public:
   /// Structure and memory for a mesh, which must outlive it. Fails where that is too large.

@@ -17,9 +17,9 @@ class BendSmoother {
   void build(const Points3View& rest_m, const MeshTopology& topology,
              const std::vector<BendingHinge>& hinges, double smoothing);
 
-  /// The shape [V,3] nearest to `rough_m` that bends less: the minimum of |X - rough|^2 + smoothing
-  /// s^2 (bending energy of X - X_rest), s the mean edge length and X_rest the rest mesh brought
-  /// rigidly to `rough`.
+  /// The shape [V,3] nearest to `rough_m` that bends less. It is the minimum of
+  ///     |X - rough|^2 + smoothing s^2 (bending energy of X - X_rest),
+  /// where s is the mean edge length and X_rest the rest mesh aligned rigidly with `rough`.
   Points3 smoothed(const Points3View& rough_m) const;
 
  private:

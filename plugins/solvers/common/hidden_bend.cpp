@@ -21,10 +21,10 @@ namespace {
 
 constexpr double kReachInEdges = 3.0, kReachInDiagonals = 0.24;  // the larger one
 constexpr double kTearingStrain = 0.3;
-constexpr double kTornShare = 0.1;     // of the edges of a part; a noisy rim strains a few
-constexpr int kSharpness = 4;          // squarings: 0.1 for edges that are 30 degrees apart
+constexpr double kTornShare = 0.1;     // share of the edges of a part; a noisy rim strains a few
+constexpr int kSharpness = 4;          // squarings: 0.1 for edges at an angle of 30 degrees
 constexpr double kLeastWeight = 1.0;   // as of one edge next to the rim
-constexpr double kLeastSpread = 1e-3;  // squared reaches; a line needs edges that are apart
+constexpr double kLeastSpread = 1e-3;  // squared reaches; a line needs edges at different distances
 
 /// The frame of an edge (a, b) and the face (a, b, c): along it, away from c in the plane of the
 /// face, and out of the front.
@@ -40,7 +40,7 @@ EdgeFrame frame_of(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eig
   return frame;
 }
 
-/// Whether c is left of the way from a to b, as the camera sees the front; v grows downwards.
+/// True if c is left of the way from a to b, as the camera sees the front; v grows downwards.
 bool is_left(const Points2& flat_px, std::int32_t a, std::int32_t b, std::int32_t c) {
   const Eigen::RowVector2d to_b = flat_px.row(b) - flat_px.row(a);
   const Eigen::RowVector2d to_c = flat_px.row(c) - flat_px.row(a);
@@ -57,7 +57,7 @@ struct SeenBend {
   double per_m;                      ///< [] rad/m, against the rest shape
 };
 
-/// Leaves every second, third ... so that there are at most so many.
+/// Keeps every second, third ... so that at most `most` remain.
 void keep_evenly(std::vector<SeenBend>& bends, std::size_t most) {
   if (bends.size() <= most) return;
   const std::size_t stride = (bends.size() + most - 1) / most;
@@ -66,9 +66,9 @@ void keep_evenly(std::vector<SeenBend>& bends, std::size_t most) {
   bends.resize(kept);
 }
 
-/// What those near a place and across a similar direction let expect there; nothing where too few
-/// are. Their mean as far as the line through them, by distance, has not brought it to 0: a bend
-/// that fades towards the rim is not taken to go on, one that grows not to grow further.
+/// The bend that those near a place and across a similar direction predict there; nothing where
+/// there are too few. It is their mean, limited by the line through them by distance: a bend that
+/// fades towards the rim is not continued past 0. One that grows does not grow further.
 std::optional<double> expected_bend(const std::vector<SeenBend>& seen,
                                     const Eigen::Vector2d& place_px, const Eigen::Vector2d& across,
                                     double reach_px) {
@@ -210,7 +210,7 @@ bool BendContinuation::touches(const Hinge& hinge, const std::vector<std::uint8_
                      [&](std::int32_t v) { return has(marked, v); });
 }
 
-/// By how much the face of d is turned towards the front, out of the plane of the face of c.
+/// The angle by which the face of d is turned towards the front, out of the plane of the face of c.
 double BendContinuation::angle_rad(const Hinge& hinge, const Points3View& shape_m) {
   const auto [a, b, c, d] = hinge.vertex;
   const EdgeFrame frame = frame_of(shape_m.row(a), shape_m.row(b), shape_m.row(c));
@@ -221,7 +221,7 @@ double BendContinuation::angle_rad(const Hinge& hinge, const Points3View& shape_
 std::vector<double> BendContinuation::continued_angles(const Points3View& shape_m,
                                                        const std::vector<std::uint8_t>& hidden,
                                                        std::size_t most_seen) const {
-  // What is hidden pulls at the edges next to it.
+  // Hidden parts pull at the edges next to them.
   const std::vector<std::uint8_t> unsure = with_rim(hidden);
   std::vector<SeenBend> seen, away_from_rim;
   std::vector<double> angles_rad;

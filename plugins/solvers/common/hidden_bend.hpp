@@ -17,23 +17,24 @@ namespace weft::solvers {
 
 /// [V] 1 for vertices that cannot be seen, and for those that are not measured (`measured` [V] is
 /// 0) and are joined to them by such vertices: next to a rim nothing is recognised either. Empty
-/// where nothing is hidden; what is outside the image is not. Fails on a visibility of another
-/// mesh.
+/// where nothing is hidden; vertices outside the image do not count as hidden. Fails on a
+/// visibility of another mesh.
 Result<std::vector<std::uint8_t>> hidden_part(const Visibility& visibility,
                                               const std::vector<std::uint8_t>& measured,
                                               const IndexLists& neighbours);
 
-/// Adds all vertices that are not measured: on a template that is curved at rest the distances
-/// alone do not tell its bend from the opposite one, so they are laid out as well.
+/// Adds all vertices that are not measured. On a template that is curved at rest, the distances
+/// alone do not distinguish its bend from the opposite one. These vertices are therefore laid out
+/// as well.
 void add_unmeasured(const std::vector<std::uint8_t>& measured, std::vector<std::uint8_t>& hidden);
 
 /// Adds the parts that are not measured, reach the border of the mesh (`border`, its vertices) and
-/// are wider than one ring of vertices: what measured vertices surround, or are next to, is held
-/// well enough by the distances.
+/// are wider than one ring of vertices. The distances alone constrain parts that measured vertices
+/// surround or touch.
 void add_uncovered(const std::vector<std::uint8_t>& measured, const IndexLists& neighbours,
                    const std::vector<std::int32_t>& border, std::vector<std::uint8_t>& hidden);
 
-/// What a hidden part is taken to look like.
+/// The assumed shape of a hidden part.
 struct HiddenBend {
   Points3 shape_m;  ///< [V,3] m, camera frame: the hidden part unrolled from the seen one, unless
                     ///< that tears it
@@ -41,21 +42,21 @@ struct HiddenBend {
   Eigen::Index torn_vertices = 0;           ///< hidden ones that stayed as they were
 };
 
-/// Goes on with the bend of a surface where it is out of sight. A surface that has turned away has
-/// bent, and is likelier to go on than to become flat just where it can no longer be seen, unless
-/// its bend fades already.
+/// Continues the bend of a surface into its hidden part. A surface that turned away has bent. It is
+/// likelier to continue than to become flat just where it is hidden, unless its bend fades already.
 ///
 /// Across an edge of width w (a third of the two heights on it) the bend against the rest shape is
-/// w times a curvature. For a hidden edge this is the value at d = 0 of the line in d through those
-/// of the edges of the seen part, at least a ring away from the rim, weighted by
-/// |n . n'|^16 exp(-(d - d_min) / reach): n and n' are the unit normals of both edges and d their
-/// distance, in the texture; but no more than their mean, and of its sign or 0. So edges of one
-/// direction follow edges of that direction, and a cylinder goes on exactly. The hidden vertices
-/// are then laid out ring by ring, each at the mean of the places that the edges next to it give.
+/// w times a curvature. For a hidden edge this curvature is extrapolated from edges of the seen
+/// part, at least a ring away from the rim. A line in d is fitted to their curvatures, and its
+/// value at d = 0 is used. Each has the weight |n . n'|^16 exp(-(d - d_min) / reach). Here n and n'
+/// are the unit normals of both edges and d their distance, in the texture. The value is limited to
+/// the mean of the curvatures, and is 0 where it has the opposite sign. Edges of one direction
+/// therefore follow edges of that direction, and a cylinder continues exactly. The hidden vertices
+/// are then laid out ring by ring, each at the mean of the places that the adjacent edges give.
 ///
-/// A hidden part with seen ones on several sides, as in a fold, is laid out from all of them. Where
-/// that strains a tenth of its edges by 30 %, it is torn: the bend does not go on but turns back
-/// out of sight, and this part stays as it was.
+/// A hidden part with seen parts on several sides, as in a fold, is laid out from all of them. The
+/// part is torn where that strains a tenth of its edges by 30 %. The bend then does not continue
+/// but reverses in the hidden part, and this part stays unchanged.
 class BendContinuation {
  public:
   /// Fails on a mesh that cannot be used.
@@ -66,9 +67,10 @@ class BendContinuation {
   HiddenBend continued(const Points3View& shape_m, const std::vector<std::uint8_t>& hidden,
                        const std::vector<DistanceConstraint>& bending) const;
 
-  /// By how much the surface bends across each of edges() where it goes on so, in rad, positive
-  /// where the front is hollow; elsewhere as it does. Empty where no edge is seen. Of more seen
-  /// edges than `most_seen` every second, third ... is read.
+  /// The angles by which the surface bends across each of edges(), in rad, positive where the front
+  /// is hollow. Hidden edges have the angles of the continued surface, and others their present
+  /// angles. Empty where no edge is seen. With more seen edges than `most_seen`, it reads every
+  /// second, third ... edge.
   std::vector<double> continued_angles(
       const Points3View& shape_m, const std::vector<std::uint8_t>& hidden,
       std::size_t most_seen = std::numeric_limits<std::size_t>::max()) const;
@@ -96,7 +98,7 @@ class BendContinuation {
   static double angle_rad(const Hinge& hinge, const Points3View& shape_m);
   void lay_out(const std::vector<double>& angles_rad, std::vector<std::uint8_t> placed,
                Points3& shape_m) const;
-  /// Of the hidden parts, those whose edges a layout keeps: [V] 1 for their vertices.
+  /// The hidden parts whose edges a layout keeps: [V] 1 for their vertices.
   std::vector<std::uint8_t> parts_kept_whole(const std::vector<std::uint8_t>& hidden,
                                              const Points3& shape_m) const;
 

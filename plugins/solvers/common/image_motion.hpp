@@ -13,15 +13,15 @@ struct ImageMotion {
   double diagonal_px = 0.0;  ///< [] px, of the bounding box of the measured points
 };
 
-/// Of points that were measured in the image and projected from a shape, [N,2] px.
+/// The motion between points measured in the image and points projected from a shape, [N,2] px.
 ImageMotion image_motion(const Points2View& measured_px, const Points2View& projected_px);
 
 /// Mirrors the depths of all vertices at the mean depth, each on its own ray: the other shape that
 /// looks alike from far away. Vertices that would not be in front of the camera stay.
 Points3 depth_mirrored(const Points3View& vertices_m);
 
-/// The same vertices [V,3] m with bends to the other side: moved along their lines of sight to the
-/// depth of their mirror image in the plane that fits them best. All stay in front of the camera.
+/// The same vertices [V,3] m with the opposite bends. Each moves along its line of sight to the
+/// depth of its mirror image in the plane that fits them best. All stay in front of the camera.
 Points3 bend_mirrored(const Points3View& vertices_m);
 
 }  // namespace weft::solvers

@@ -9,19 +9,19 @@
 
 namespace weft::solvers {
 
-/// What an isometric surface is at one point, from a warp and its first derivatives.
+/// The isometric surface at one point, from a warp and its first derivatives.
 struct IsometricPoint {
   double distance_m = 0.0;       ///< [] m from the camera centre, theta
   Eigen::Vector3d ray;           ///< [3] unit, camera frame
   Eigen::Vector2d gradient_mpp;  ///< [2] m/px, of theta along u and v; its sign is not determined
 };
 
-/// With phi = theta n, n = (eta, 1) / |(eta, 1)| and n . J_n = 0, isometry says
-///   grad(theta) grad(theta)^T = K - theta^2 G,  G = J_n^T J_n,
-/// of rank 1 and positive semidefinite, so that theta^2 is the smallest generalised eigenvalue of
-/// (K, G) (Bartoli et al., Shape-from-Template, TPAMI 37(10), 2015).
-/// `eta` [2] is the normalised image point, `jacobian` [2,2] its derivative 1/px, `metric` [2,2]
-/// m^2/px^2 the first fundamental form K at rest. Nothing where the warp folds or is not finite.
+/// With phi = theta n, n = (eta, 1) / |(eta, 1)| and `n . J_n = 0`, isometry implies
+///     grad(theta) grad(theta)^T = K - theta^2 G,  G = J_n^T J_n,
+/// which has rank 1 and is positive semidefinite. Therefore theta^2 is the smallest generalised
+/// eigenvalue of (K, G) (Bartoli et al., Shape-from-Template, TPAMI 37(10), 2015). `eta` [2] is the
+/// normalised image point, `jacobian` [2,2] its derivative 1/px, `metric` [2,2] m^2/px^2 the first
+/// fundamental form K at rest. Nothing where the warp folds or is not finite.
 inline std::optional<IsometricPoint> isometric_point(const Eigen::Vector2d& eta,
                                                      const Eigen::Matrix2d& jacobian,
                                                      const Eigen::Matrix2d& metric) {

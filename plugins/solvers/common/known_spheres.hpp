@@ -20,8 +20,9 @@ struct RestMesh {
 double surface_length_m(const RestMesh& rest, const KnownSurfacePoint& from,
                         const KnownSurfacePoint& to);
 
-/// Known points that are further apart than the surface between them and their radii allow, by more
-/// than 2 %, cannot all be met: their radii grow until they can. Returns the number of such pairs.
+/// Known points that are farther from each other than the surface between them and their radii
+/// allow, by more than 2 %, cannot all be met. The function enlarges their radii until they can.
+/// Returns the number of such pairs.
 int make_consistent(const RestMesh& rest, std::vector<KnownSurfacePoint>& spheres);
 
 }  // namespace weft::solvers

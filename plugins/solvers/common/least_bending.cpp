@@ -22,8 +22,8 @@ Points3 chosen_rows(const Points3View& all, const std::vector<std::uint8_t>& fix
   return chosen;
 }
 
-/// Of the free vertices, numbered by `unknown`: how far the least bending takes them from where
-/// they are, when the others have been moved by `moved` [V,3].
+/// The moves of the free vertices, numbered by `unknown`, to the least bending, when the others
+/// have been moved by `moved` [V,3].
 Points3 free_moves(const std::vector<BendingHinge>& hinges, const std::vector<int>& unknown,
                    Eigen::Index free_count, double ridge, const Points3& moved) {
   std::vector<Eigen::Triplet<double>> entries;
@@ -63,7 +63,7 @@ Result<Points3> fill_with_least_bending(const Points3View& rest_m,
   const Eigen::Index fixed_count = vertices_m.rows() - free_count;
   const auto aligned = align_points(chosen_rows(rest_m, fixed, fixed_count),
                                     chosen_rows(vertices_m, fixed, fixed_count));
-  if (!aligned) return no_result("what is seen does not say where the rest of the surface is");
+  if (!aligned) return no_result("the visible part does not determine the rest of the surface");
   const Points3 rigid_m = transform_points(*aligned, rest_m);
   const Points3 moved = vertices_m - rigid_m;
   const Points3 moves =

@@ -8,7 +8,7 @@
 namespace weft::solvers {
 namespace {
 
-/// For each place what `summary` says of the values of its patch.
+/// The result of `summary` for the values of its patch, for each place.
 template <class Summary>
 Eigen::VectorXd of_patches(const std::vector<int>& patches, const Eigen::VectorXd& values,
                            Summary&& summary) {

@@ -37,8 +37,9 @@ class GridNeighbours {
   std::vector<std::size_t> at_;  ///< [columns * rows] place or kNobody
 };
 
-/// What integration leaves free, a constant or a sign, is told for each patch on its own: parts of
-/// the grid between which nothing is seen. Labels [n] from 0.
+/// The patches of the grid: connected parts with nothing seen between them. Integration leaves a
+/// constant or a sign free in each patch, which is determined for each patch separately. Labels [n]
+/// from 0.
 std::vector<int> patches_of(const std::vector<WarpPlace>& places);
 
 /// For each place [n] the median of `values` [n] over its patch.

@@ -11,8 +11,8 @@
 
 namespace weft::solvers {
 
-/// What can be told of a shape without the truth: how it keeps the lengths of the template, meets
-/// the matches, and bends.
+/// Indicators of a shape's quality without the ground truth: errors of lengths and matches, and
+/// bending.
 struct ShapeSigns {
   double strain = 0.0;         ///< [] mean |l / l0 - 1| over the edges
   double strain_p95 = 0.0;     ///< [] 95th percentile of it
@@ -21,14 +21,14 @@ struct ShapeSigns {
   double size_px = 0.0;        ///< [] px, diagonal of the box around the shape in the image
   ShapeEvidence evidence;
 
-  /// As scalars strain, strain_p95, kept_residual_px, roughness_rad and size_px; the evidence is
-  /// told by the base class of solvers.
+  /// As scalars strain, strain_p95, kept_residual_px, roughness_rad and size_px; the base class of
+  /// solvers reports the evidence.
   void tell(Diagnostics& diag) const;
 };
 
-/// Of vertices [V,3] m, camera frame, all before the camera, and the `edges` of the template.
-/// Roughness: how far the angle between a face and the mean of the faces at a corner of it is from
-/// that at rest, mean over all corners; matches with noise make it grow, and so do bends.
+/// For vertices [V,3] m, camera frame, all in front of the camera, and the `edges` of the template.
+/// Roughness compares the angle between a face and the mean of the faces at one of its corners with
+/// that at rest. It is the mean over all corners. Noise of matches increases it, and so do bends.
 ShapeSigns shape_signs(const SolverInput& in, std::span<const DistanceConstraint> edges,
                        const Points3View& vertices_m);
 
@@ -36,19 +36,19 @@ ShapeSigns shape_signs(const SolverInput& in, std::span<const DistanceConstraint
 /// fitted to shapes with known truth: docs/evidence/0023-confidence-of-solvers.md.
 struct ConfidenceWeights {
   double bias = 0.0;
-  double strain = 0.0;      ///< of ln(strain + 0.001)
-  double strain_p95 = 0.0;  ///< of ln(strain_p95 + 0.001)
-  double residual = 0.0;    ///< of ln(residual_px + 0.1)
-  double roughness = 0.0;   ///< of ln(roughness_rad + 0.01)
-  double size = 0.0;        ///< of ln(size_px + 1)
-  double agreeing = 0.0;    ///< of ln(agreeing + 1)
-  double share = 0.0;       ///< of ln((agreeing + 1) / (kept + 1))
-  double coverage = 0.0;    ///< of ln(coverage + 0.05)
+  double strain = 0.0;      ///< weight of ln(strain + 0.001)
+  double strain_p95 = 0.0;  ///< weight of ln(strain_p95 + 0.001)
+  double residual = 0.0;    ///< weight of ln(residual_px + 0.1)
+  double roughness = 0.0;   ///< weight of ln(roughness_rad + 0.01)
+  double size = 0.0;        ///< weight of ln(size_px + 1)
+  double agreeing = 0.0;    ///< weight of ln(agreeing + 1)
+  double share = 0.0;       ///< weight of ln((agreeing + 1) / (kept + 1))
+  double coverage = 0.0;    ///< weight of ln(coverage + 0.05)
 };
 
-/// The probability that the mean error of what the camera sees is below 2 % of the template's
-/// diagonal, times what filters said of the matches: 1 / (1 + exp(-w . signs)). 0 for signs that
-/// are not finite, as where no match is kept.
+/// The probability that the mean error of the visible vertices is below 2 % of the template's
+/// diagonal, 1 / (1 + exp(-w . signs)), times the confidence that filters gave to the matches. It
+/// is 0 for signs that are not finite, as where no match is kept.
 double confidence(const ShapeSigns& signs, const ConfidenceWeights& weights,
                   const std::optional<Correspondences>& matches);
 

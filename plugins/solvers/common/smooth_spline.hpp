@@ -11,7 +11,7 @@
 namespace weft::solvers {
 
 /// A bicubic B-spline W from the plane to D values, fitted to values y_k [n,D] at places p_k [n,2]:
-///   min  sum_k |W(p_k) - y_k|^2 + smoothing su sv integral (W_uu^2 + 2 W_uv^2 + W_vv^2) du dv.
+///     min  sum_k |W(p_k) - y_k|^2 + smoothing su sv integral (W_uu^2 + 2 W_uv^2 + W_vv^2) du dv.
 /// With places in the texture and points in space as values it is a surface.
 class SmoothSpline {
  public:
@@ -38,13 +38,13 @@ SplineValues spline_values(const SplineDomain& domain, const SplineValues& contr
 
 /// The spline of one value whose gradient is nearest to that given, up to a constant, at the places
 /// [n,2] themselves, [n]:
-///   min_W  sum_k |grad(W)(p_k) - g_k|^2 + smoothing integral (W_uu^2 + 2 W_uv^2 + W_vv^2) du dv
+///     min_W  sum_k |grad(W)(p_k) - g_k|^2 + smoothing integral (W_uu^2 + 2 W_uv^2 + W_vv^2) du dv
 /// over those gradients g_k [n,2] that are used. The domain of `equations` must be set.
 Result<Eigen::VectorXd> integrate_gradients(SplineEquations& equations, const Points2View& places,
                                             const Points2View& gradients,
                                             const std::vector<bool>& is_used, double smoothing);
 
-/// Whether places [n,2] determine an affine map: three at least, and not on a line.
+/// True if places [n,2] determine an affine map: at least three, and not on a line.
 bool determine_affine_map(const Points2View& places);
 
 }  // namespace weft::solvers

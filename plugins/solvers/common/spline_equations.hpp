@@ -13,7 +13,7 @@ namespace weft::solvers {
 using SplineValues = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Linear least squares for the control points C [nu*nv,D] of a bicubic B-spline W:
-///   min  sum_r w_r |a_r C - y_r|^2 + bending * integral (W_uu^2 + 2 W_uv^2 + W_vv^2) du dv,
+///     min  sum_r w_r |a_r C - y_r|^2 + bending * integral (W_uu^2 + 2 W_uv^2 + W_vv^2) du dv,
 /// where a row a_r weighs the 16 control points around a place: the value there, a derivative, or a
 /// mix of both. The bending energy leaves affine maps free.
 class SplineEquations {

@@ -142,7 +142,7 @@ std::int64_t WarpGrid::cell_along(double px) const {
   return static_cast<std::int64_t>(std::floor(px / cell_px_));
 }
 
-/// Whether a place is in a cell that holds a kept match, or beside one.
+/// True if a place is in a cell that contains a kept match, or beside one.
 bool WarpGrid::near_match(const Eigen::RowVector2d& place_px) const {
   const Eigen::RowVector2d offset = place_px - low_px_;
   const std::int64_t i = cell_along(offset.x()), j = cell_along(offset.y());

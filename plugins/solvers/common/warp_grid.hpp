@@ -13,7 +13,7 @@
 
 namespace weft::solvers {
 
-/// A place of the template, and what a warp says there.
+/// A place of the template, and the values of a warp there.
 struct WarpPlace {
   int i = 0;                                           ///< [] of the grid, along u
   int j = 0;                                           ///< [] of the grid, along v
@@ -27,21 +27,22 @@ struct WarpPlace {
 struct WarpReading {
   std::vector<WarpPlace> places;
   std::size_t on_mesh = 0;             ///< [] places of the grid on the template's mesh
-  std::string degenerate_reason = {};  ///< of the warp; empty unless it is degenerate
+  std::string degenerate_reason = {};  ///< reason in the warp; empty unless it is degenerate
 };
 
-/// The places where a surface that is isometric to the template can be told, and what it is there.
+/// The places where a surface that is isometric to the template can be determined, and the surface
+/// there.
 struct IsometricReading {
   std::vector<WarpPlace> places;       ///< [n]
   std::vector<IsometricPoint> points;  ///< [n]
   Points2 places_px;                   ///< [n,2] px of the texture
   Points3 points_m;                    ///< [n,3] m, camera frame
-  int folded = 0;                      ///< [] places that are left out
+  int folded = 0;                      ///< [] places that are omitted
 };
 
 IsometricReading isometric_reading(const std::vector<WarpPlace>& places);
 
-/// What solvers in closed form start from: a warp with its derivatives on a grid of the texture.
+/// The input of solvers in closed form: a warp with its derivatives on a grid of the texture.
 class WarpGrid {
  public:
   /// The parameters `grid`, `reach` and `warp`.
@@ -50,7 +51,7 @@ class WarpGrid {
   /// Fits the warp to the kept matches and reads it on the grid.
   Result<WarpReading> read(const SolverInput& in);
 
-  /// Of the template and the matches that were read last.
+  /// For the template and the matches that were read last.
   bool near_match(const Eigen::RowVector2d& place_px) const;
   const std::vector<DistanceConstraint>& edges() const { return edges_; }
   /// The rectangle around the template in its texture, `control` points along u and along v.
@@ -67,9 +68,9 @@ class WarpGrid {
   double reach_ = 0.1;
   WarpComponent warp_{"warps/bbs"};
 
-  std::uint64_t revision_ = 0;  ///< of the template that all of this is for
+  std::uint64_t revision_ = 0;  ///< revision of the template to which all of this belongs
   std::vector<DistanceConstraint> edges_;
-  std::vector<WarpPlace> rest_;  ///< [n] without what a warp says
+  std::vector<WarpPlace> rest_;  ///< [n] without the values of the warp
   Points2 places_px_;            ///< [n,2] px of the texture
   Eigen::RowVector2d low_px_, size_px_;
   double cell_px_ = 1.0;

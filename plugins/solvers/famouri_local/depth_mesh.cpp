@@ -18,7 +18,7 @@ using solvers::SeenPoint;
 
 constexpr int kFitRounds = 4;
 constexpr double kRestRidge = 1e-6;
-constexpr double kLeastStd = 1e-3;  // of a distance: the surface is off its mesh
+constexpr double kLeastStd = 1e-3;  // share of a distance: the surface deviates from its mesh
 
 }  // namespace
 
@@ -87,7 +87,7 @@ Result<Points3> DepthMesh::laid_rigidly(const MatchDepths& found) const {
     to_m.row(i) = pull.distance_m * pull.ray.transpose();
   }
   const auto aligned = align_points(from_m, to_m);
-  if (!aligned) return no_result("the depths do not say where the surface is");
+  if (!aligned) return no_result("the depths do not determine where the surface is");
   return transform_points(*aligned, rest_m_);
 }
 

@@ -27,12 +27,12 @@ struct FitOptions {
 /// camera frame) are the minimum of
 ///   sum_i |R_i p_i(X)|^2 / (sigma z_i)^2                        where it was seen
 ///   + sum_i (n_i . p_i(X) - theta_i)^2 / (k sigma_i^2)          how far it is
-///   + stiffness integral of |curvature - curvature at rest|^2,
-/// p_i a place of the mesh, R_i its two linear reprojection rows (px m, see reprojection_rows()),
-/// z_i its rough depth, n_i its unit ray, theta_i the distance found with the standard deviation
-/// sigma_i, and k the number of matches that share a local map, so that no match counts k times.
-/// Residuals are weighed again, after Geman and McClure, in a few rounds. Linear in X: the lengths
-/// of the mesh are not looked at.
+///   + stiffness integral of |curvature - curvature at rest|^2.
+/// Here p_i is a place of the mesh, and R_i its two linear reprojection rows (px m, see
+/// reprojection_rows()). It has the rough depth z_i and the unit ray n_i. The distance theta_i has
+/// the standard deviation sigma_i. Each local map is shared by k matches, so that no match counts k
+/// times. Residuals are weighed again, after Geman and McClure, in a few rounds. The problem is
+/// linear in X, because it ignores the lengths of the mesh.
 class DepthMesh {
  public:
   /// Fails where the factor of the mesh would be too large.
@@ -43,7 +43,7 @@ class DepthMesh {
   Result<Points3> fit(const MatchDepths& found, const Camera& camera, const FitOptions& options);
 
  private:
-  /// What a match says of its place.
+  /// The information of a match about its place.
   struct Pull {
     Eigen::Matrix<double, 2, 3> rows;              ///< [2,3] 1/m, R_i / (sigma z_i)
     Eigen::Vector3d ray;                           ///< [3] unit

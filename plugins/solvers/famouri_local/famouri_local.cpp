@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kFewestMatches = 10;
 constexpr std::size_t kFewestDepths = 10;
-// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+// Fitted to simulated surfaces: docs/evidence/0023-confidence-of-solvers.md.
 constexpr solvers::ConfidenceWeights kConfidence{.bias = -9.296,
                                                  .strain = -1.885,
                                                  .strain_p95 = -1.052,
@@ -119,7 +119,7 @@ class FamouriLocal final : public Solver {
   DepthOptions depth_;
   FitOptions fit_;
 
-  std::uint64_t revision_ = 0;  ///< of the template that all of this is for
+  std::uint64_t revision_ = 0;  ///< revision of the template to which all of this belongs
   std::vector<DistanceConstraint> edges_;
   DepthFinder finder_;
   DepthMesh mesh_;

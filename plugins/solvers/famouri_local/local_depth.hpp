@@ -15,10 +15,10 @@ struct LocalDepth {
 };
 
 /// The distance theta of an isometric surface from its image point and its Jacobian J alone
-/// (Bartoli et al. 2015, see isometric_point()), with its noise from that of J, by eight points at
-/// twice the principal standard deviations of J (Julier and Uhlmann, Proc. IEEE 92, 2004). theta is
-/// the smaller one of two eigenvalues, so that noise brings it nearer; by how much the eight points
-/// say, and it is taken back: 2 theta(J) minus their mean. Nothing where the map folds, or may as
+/// (Bartoli et al. 2015, see isometric_point()). Its noise follows from that of J, by eight points
+/// at twice the principal standard deviations of J (Julier and Uhlmann, Proc. IEEE 92, 2004). The
+/// smaller one of two eigenvalues gives theta, so noise lowers it. The eight points measure this
+/// bias, which is subtracted: 2 theta(J) minus their mean. Nothing where the map folds, or may as
 /// well do so.
 std::optional<LocalDepth> local_depth(const LocalMap& map);
 

@@ -12,9 +12,9 @@ namespace weft::famouri_local {
 namespace {
 
 constexpr std::size_t kFewestSamples = 4;
-constexpr double kNarrowest = 0.05;  // of second moments, across over along
+constexpr double kNarrowest = 0.05;  // ratio of second moments, across over along
 constexpr int kMapRounds = 4;
-constexpr double kLeastScale = 0.2;  // of the expected noise, where that is a guess
+constexpr double kLeastScale = 0.2;  // share of the expected noise, where that is a guess
 constexpr double kAffine = 1e6;      // noise over second derivatives, where these are to be 0
 
 }  // namespace

@@ -28,8 +28,8 @@ class LocalMaps {
 
   const std::vector<std::optional<LocalMap>>& maps() const { return maps_; }
 
-  /// Noise of a normalised image coordinate: the median of what the maps say; not a number where
-  /// there are none.
+  /// Noise of a normalised image coordinate: the median over the maps; not a number where there are
+  /// none.
   double noise() const;
 
   /// Matches that share a map, in the mean.

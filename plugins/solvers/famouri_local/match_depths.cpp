@@ -8,12 +8,12 @@
 namespace weft::famouri_local {
 namespace {
 
-constexpr double kFirstNoisePx = 1.0;     // before the matches have said how noisy they are
-constexpr double kLeastNoisePx = 0.02;    // of exact matches: their maps are no quadrics
-constexpr double kContradictsStds = 5.0;  // of noise, from its map
+constexpr double kFirstNoisePx = 1.0;     // before the noise is estimated from the matches
+constexpr double kLeastNoisePx = 0.02;    // noise of exact matches: their maps are no quadrics
+constexpr double kContradictsStds = 5.0;  // standard deviations of noise, from its map
 constexpr double kContradictsLeastPx = 2.0;
-constexpr double kThinnest = 0.02;                 // of the usual area of a map
-constexpr double kClosest = 0.2, kFurthest = 5.0;  // of the usual distance
+constexpr double kThinnest = 0.02;                 // share of the usual area of a map
+constexpr double kClosest = 0.2, kFurthest = 5.0;  // ratios to the usual distance
 
 }  // namespace
 
@@ -80,7 +80,7 @@ void DepthFinder::read_depths() {
   }
 }
 
-/// Leaves out distances that cannot be of the same object.
+/// Excludes distances that cannot belong to the same object.
 void DepthFinder::leave_out_odd() {
   std::vector<double> distances_m;
   for (const LocalDepth& depth : found_.depths) distances_m.push_back(depth.distance_m);

@@ -23,9 +23,10 @@ struct DepthOptions {
 struct MatchDepths {
   std::vector<solvers::SeenPoint> points;  ///< [n]
   std::vector<LocalDepth> depths;          ///< [n]
-  double noise_px = 0.0;                   ///< [] px, along u and v, as the local maps say
+  double noise_px = 0.0;                   ///< [] px, along u and v, estimated from the local maps
   double mean_count = 0.0;                 ///< [] matches that share a local map, in the mean
-  int contradicting = 0;  ///< [] matches without a depth: seen elsewhere than neighbours say
+  int contradicting = 0;  ///< [] matches without a depth: their neighbours contradict their image
+                          ///< points
   int undetermined = 0;   ///< [] too few neighbours, or on a line
   int folded = 0;         ///< [] their map folds, or is thin, or may well be so
   int odd = 0;            ///< [] unlike all others

@@ -14,7 +14,7 @@ namespace weft::famouri_local {
 namespace {
 
 constexpr std::size_t kLeafSize = 8;
-constexpr double kLeastCosine = 0.5;  // of the angle between the normals of neighbours
+constexpr double kLeastCosine = 0.5;  // cosine of the angle between the normals of neighbours
 
 }  // namespace
 

@@ -28,7 +28,7 @@ struct RestPlace {
                            const Eigen::Matrix<double, 3, 2>& axes) const;
 };
 
-/// Of the matches [n], from the vertices at rest [V,3] m.
+/// The rest places of the matches [n], from the vertices at rest [V,3] m.
 std::vector<RestPlace> rest_places(std::span<const solvers::SeenPoint> points,
                                    const Points3View& rest_m);
 

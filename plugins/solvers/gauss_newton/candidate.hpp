@@ -3,19 +3,15 @@
 
 #include <weft/geometry/types.hpp>
 
+#include "common/guess_search.hpp"
 #include "fit.hpp"
 #include "minimiser.hpp"
 
 namespace weft::gauss_newton {
 
-/// Where an iteration began; the numbers are those of diag.start.
-/// `rough` is the convex start as it came, without smoothing, `rigid` the template at rest in its
-/// place.
-enum class StartKind { previous = 0, convex = 1, mirrored = 2, rough = 3, rigid = 4 };
-
-/// A shape that a start led to.
+/// A shape that an initial guess led to.
 struct Candidate {
-  StartKind start = StartKind::previous;
+  solvers::Guess guess = solvers::Guess::previous;
   Points3 vertices_m;
   MinimiserResult result;
   int approach_iterations = 0;  ///< [] with soft lengths
@@ -26,7 +22,7 @@ struct Candidate {
     return result.stop != Stop::not_finite && vertices_m.allFinite() && fit.back_share <= kMirrored;
   }
 
-  /// Whether another start may lead further.
+  /// True if another initial guess may lead further.
   bool doubtful() const {
     constexpr double kHighResidualPx = 3.0, kHighStrain = 0.02, kCreased = 0.01;
     constexpr double kManyFar = 0.05, kManyFarAround = 0.75, kManyBacks = 0.05;

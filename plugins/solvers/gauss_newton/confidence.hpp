@@ -7,8 +7,8 @@
 
 namespace weft::gauss_newton {
 
-/// The probability that the mean error of what the camera sees is below 2 % of the template's
-/// diagonal: a logistic fitted to shapes of which the truth is known, see README.md.
+/// The probability that the mean error of the visible vertices is below 2 % of the template's
+/// diagonal. It is a logistic function, fitted to shapes with ground truth, see README.md.
 double confidence(const Fit& fit, const ShapeEvidence& evidence);
 
 }  // namespace weft::gauss_newton

@@ -27,7 +27,7 @@ double observed_noise(double residual, double coherence) {
 HoldingNoise holding_noise(const ShapeSigns& signs) {
   HoldingNoise noise;
   noise.observed = observed_noise(signs.residual, signs.coherence);
-  // What is seen to differ from edge to edge may as well be the same for all of them.
+  // A strain that varies from edge to edge may as well be common to all of them.
   noise.strain = std::hypot(0.0015, signs.strain);
   noise.bend_rad = 0.05;
   noise.common_strain = std::hypot(0.0005, signs.strain, signs.scale_noise);

@@ -20,11 +20,11 @@ struct HoldingNoise {
   double strain = 0.0;         ///< [] of an edge between seen vertices
   double bend_rad = 0.0;       ///< [] rad, of the angle across an edge
   double common_strain = 0.0;  ///< [] of a strain that all edges share; 0: there is none
-  double unseen_strain = 0.0;  ///< [] of an edge of which an end is not seen, beside `strain`
+  double unseen_strain = 0.0;  ///< [] strain of an edge with an unseen end, in addition to `strain`
   double unseen_bend = 0.0;    ///< [] rad, of an unseen square that bends, whatever its size
 };
 
-/// What a solver knows of the error of its shape.
+/// Indicators of the error of a shape.
 struct ShapeSigns {
   double residual = 0.0;         ///< [] of the observations, median, in units of their noise
   double coherence = 1.0;        ///< [] of the residuals, see Fit
@@ -40,21 +40,20 @@ struct ShapeSigns {
 /// `coherence` as in Fit: what is off together counts as one.
 double observed_noise(double residual, double coherence);
 
-/// The constants are fitted to shapes of which the truth is known, see README.md.
+/// The constants are fitted to shapes with ground truth, see README.md.
 HoldingNoise holding_noise(const ShapeSigns& signs);
 
-/// How uncertain each vertex of a solved shape is: the diagonal blocks [3,3] of H^-1, where H is
-/// the Gauss-Newton matrix, at the solution, in the vertices X and a strain e that all edges share,
-/// of
-///   sum_i rho(|pi(p_i(X)) - u_i| / sigma_i) / observed^2              observations
+/// The uncertainty of each vertex of a solved shape: the diagonal blocks [3,3] of H^-1. H is the
+/// Gauss-Newton matrix, at the solution, in the vertices X and a strain e that all edges share, of
+///     sum_i rho(|pi(p_i(X)) - u_i| / sigma_i) / observed^2              observations
 ///   + sum_b w_b rho(n_b . (pi(p_b(X)) - y_b) / sigma) / outline^2     outline, if there is one
 ///   + sum_edges (|d| / l0 - 1 - e)^2 / strain^2 + e^2 / common_strain^2
 ///   + sum_hinges (angle)^2 / bend_rad^2                               bends
 ///   + sum_p |X(p) - p|^2 / radius_p^2 + sum_v |X_v - x_v|^2 / (0.3 m)^2   known points, and a
-///   prior.
-/// Where a vertex of a hinge is not seen, its bend errs by 3 unseen_bend^2 / w more, w its weight
-/// in the bending energy: the curvature there is white noise, whatever the mesh. The direction of
-/// an unseen edge is not known well enough to say what lengthens it, hence unseen_strain.
+///     prior.
+/// Where a vertex of a hinge is not seen, the variance of its bend grows by 3 unseen_bend^2 / w,
+/// with w its weight in the bending energy. The curvature there is white noise, whatever the mesh.
+/// The length of an unseen edge depends on its unknown direction, hence unseen_strain.
 class ShapeCovariance {
  public:
   void prepare(const MeshModel& mesh);
@@ -80,7 +79,7 @@ class ShapeCovariance {
   BlockMatrix matrix_;
   Points3 normals_;                       ///< [F,3]
   Points3 shared_, solved_;               ///< [V,3] column of e in H, and H^-1 times it
-  double edge_weights_ = 0.0;             ///< of the edges, on the diagonal of e in H
+  double edge_weights_ = 0.0;             ///< weights of the edges, on the diagonal of e in H
   std::vector<Eigen::Matrix3d> inverse_;  ///< [V]
 };
 

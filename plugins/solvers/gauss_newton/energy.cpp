@@ -197,7 +197,7 @@ double Energy::stretched(const std::vector<Arc>& arcs, const std::vector<double>
       const Eigen::Vector3d slope = per_m / length_m * offset_m;
       to.gradient->row(arc.j) += residual * slope.transpose();
       to.gradient->row(arc.i) -= residual * slope.transpose();
-      // What is longer than it should be resists being moved aside, too.
+      // An edge that is too long resists motion to the side, too.
       const Eigen::Vector3d unit = offset_m / length_m;
       const double aside = std::max(residual, 0.0) * per_m / length_m;
       add_square(arc,

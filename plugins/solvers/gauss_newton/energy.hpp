@@ -27,11 +27,11 @@ using solvers::BlockMatrix;
 struct Whitening {
   double xx = 0.0, yx = 0.0, yy = 0.0;  ///< 1/px, of the lower triangle
 
-  /// Of the same standard deviation along u and v.
+  /// With the same standard deviation along u and v.
   static Whitening of_deviation(double deviation_px) {
     return {1.0 / deviation_px, 0.0, 1.0 / deviation_px};
   }
-  /// Of a covariance [[uu, uv], [uv, vv]], px^2; nothing where that is not positive definite.
+  /// From a covariance [[uu, uv], [uv, vv]], px^2; nothing where that is not positive definite.
   static std::optional<Whitening> of_covariance(double uu, double uv, double vv) {
     const double u = std::sqrt(uu), along = uv / u, v = std::sqrt(vv - along * along);
     const Whitening white{1.0 / u, -along / (u * v), 1.0 / v};
@@ -45,7 +45,7 @@ struct Whitening {
 struct Observation {
   std::array<double, 3> weights{};  ///< [3] in the face, sum 1
   std::array<double, 2> seen_px{};  ///< [2] px
-  Whitening white;                  ///< of where it was seen
+  Whitening white;                  ///< whitens the error of its image point
 };
 
 /// The observations of one face, which stand one after the other.
@@ -54,7 +54,7 @@ struct SeenFace {
   std::size_t first = 0, end = 0;
 };
 
-/// What is known in one frame.
+/// The data of one frame.
 struct FrameData {
   Pinhole camera;
   std::vector<Observation> observations;
@@ -64,9 +64,9 @@ struct FrameData {
   std::vector<std::uint8_t> covered;  ///< [V] 1 for vertices that something hides; or empty
 };
 
-/// What an observation that is off by r standard deviations adds to the energy: r^2 where r is
-/// small; beyond `scale` about 2 scale r (Huber), or at most scale^2 (Geman and McClure), which
-/// leaves outliers alone but needs a shape that is nearly there.
+/// The energy of an observation with a residual of r standard deviations: r^2 where r is small.
+/// Beyond `scale` it is about 2 scale r (Huber), or at most scale^2 (Geman and McClure). The latter
+/// ignores outliers but needs a good initial shape.
 struct Trust {
   double scale = 1.0;       ///< [] standard deviations
   bool redescends = false;  ///< [] Geman and McClure's, else Huber's
@@ -101,7 +101,7 @@ struct Scales {
   OutlineScales outline;    ///< of the rim from the outline of the mask
 };
 
-/// What a shape is likely to be like.
+/// The prior of a shape.
 struct Expectation {
   std::vector<double> bends_rad;  ///< [H] angle of each hinge
   Points3 previous_m;             ///< [V,3] m, read where Scales::previous_m is not 0
@@ -116,12 +116,12 @@ struct FaceSums;
 ///   + sum_hinges w ((angle - expected) / bend_rad)^2 / 3            bends
 ///   + sum_p ((|X(p) - p| - radius_p)+ / known_m)^2                  known points
 ///   + sum_v |X_v - previous_v|^2 / previous_m^2
-///   + what OutlineTerm says                                         outline of a mask.
-/// The vertices lie on a smooth surface, of which edges are chords and faces cut off a rise. With
-/// the curvature k of the surface along an arc that is s long, its chord is c = s (1 - k^2 s^2 /
-/// 24), and over the point with the weights b the surface rises by sum_(i<j) b_i b_j k_ij s_ij^2 /
-/// 2 against the hollow side: p_i(X) lies on the surface. Curvatures are read off a shape by
-/// follow() and stand still in derivatives.
+///   + the sum of OutlineTerm                                        outline of a mask.
+/// The vertices lie on a smooth surface: edges are its chords, and faces cut off a rise. With the
+/// curvature k of the surface along an arc that is s long, its chord is c = s (1 - k^2 s^2 / 24).
+/// Over the point with the weights b the surface rises by sum_(i<j) b_i b_j k_ij s_ij^2 / 2 against
+/// the hollow side: p_i(X) lies on the surface. Derivatives treat curvatures as constant, and
+/// follow() reads them off a shape.
 class Energy {
  public:
   /// Structure and memory for a mesh, which must outlive it.
@@ -187,7 +187,7 @@ class Energy {
   Points3 normals_;                 ///< [F,3] of the shape that is looked at
   std::vector<double> angles_rad_;  ///< [H]
   std::vector<double> edge_chords_m_, pair_chords_m_;
-  std::vector<double> rises_m_;  ///< of the edges, k s^2 / 2
+  std::vector<double> rises_m_;  ///< rises of the edges, k s^2 / 2
   Points3 fronts_;               ///< [F,3] unit normals, of the shape that is followed
   OutlineTerm outline_;
   BlockMatrix outline_matrix_;  ///< for traces

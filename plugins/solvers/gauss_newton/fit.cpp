@@ -110,7 +110,7 @@ Fit FitGauge::measure_outline(const MeshModel& mesh, const FrameData& frame, dou
   return fit;
 }
 
-/// What is wrong in one place only is so by the shape and not by chance. Reads the distances in
+/// Large residuals in one place only come from the shape, not from chance. Reads the distances in
 /// first_, in the order of the observations.
 double FitGauge::far_around(const MeshModel& mesh, const FrameData& frame) {
   seen_around_.assign(to_index(mesh.vertex_count()), {0, 0});
@@ -130,7 +130,7 @@ double FitGauge::far_around(const MeshModel& mesh, const FrameData& frame) {
   return most;
 }
 
-/// Of n independent residuals of variance s^2 the square of the sum is n s^2 on average.
+/// For n independent residuals of variance s^2 the square of the sum is n s^2 on average.
 double FitGauge::coherence(const MeshModel& mesh, const FrameData& frame) {
   constexpr double kOutlier = 3.0;  // such residuals are hardly trusted
   sums_.assign(to_index(mesh.vertex_count()), {});

@@ -20,8 +20,8 @@ struct Fit {
   double far_around = 0.0;   ///< [] the most of it among four or more around one vertex
   double strain = 0.0;       ///< [] mean |l / l0 - 1| over the edges
   double crease = 0.0;       ///< [] 95th percentile of it
-  /// [] of residuals, at least 1: how many times as far their means around vertices are from zero
-  /// as those of independent ones would be, as variances. What is off together counts as one.
+  /// [] of residuals, at least 1. Ratio of the variance of their means around vertices to the
+  /// variance that independent residuals would have. Correlated residuals count as one.
   double coherence = 1.0;
   double back_share = 0.0;  ///< [] of the faces with observations, those that show their back
 };
@@ -41,7 +41,7 @@ class FitGauge {
   solvers::ImageMotion motion(const MeshModel& mesh, const FrameData& frame,
                               const Points3& vertices_m);
 
-  /// Whether the median of the observed points is behind the camera.
+  /// True if the median of the observed points is behind the camera.
   bool is_behind(const MeshModel& mesh, const FrameData& frame, const Points3& vertices_m);
 
  private:
@@ -55,7 +55,8 @@ class FitGauge {
   };
 
   std::vector<double> first_, second_;
-  std::vector<Eigen::Vector2d> whitened_;        ///< of the observations, in units of their noise
+  std::vector<Eigen::Vector2d> whitened_;        ///< residuals of the observations, in units of
+                                                 ///< their noise
   std::vector<Sum> sums_;                        ///< [V] of those in faces of it
   std::vector<std::array<int, 2>> seen_around_;  ///< [V] observations in faces of it, those far off
   Points2 measured_px_, projected_px_;

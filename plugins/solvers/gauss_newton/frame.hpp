@@ -20,7 +20,7 @@ struct FrameOptions {
   bool outline_alone = false;           ///< [] where there are too few matches
 };
 
-/// What holds the shape in one frame.
+/// The constraints on the shape in one frame.
 struct Frame {
   FrameOptions options;
   FrameData data;

@@ -11,29 +11,30 @@
 #include <weft/sdk/solver.hpp>
 
 #include "candidate.hpp"
-#include "common/image_motion.hpp"
+#include "common/guess_search.hpp"
+#include "common/rigid/rigid_pose.hpp"
 #include "confidence.hpp"
 #include "covariance.hpp"
 #include "fit.hpp"
 #include "frame.hpp"
-#include "frontal_start.hpp"
+#include "frontal_guess.hpp"
 #include "outline/outline_start.hpp"
 #include "search.hpp"
 
 namespace weft::gauss_newton {
 namespace {
 
+using solvers::Guess;
+
 // A shape that is further from what was seen is lost.
 constexpr double kLostResidualPx = 6.0;
-// An object that jumped by this share of its size is found anew.
-constexpr double kJump = 0.25;
-// So many matches do not always tell to which side a sheet bends.
+// Below this number, matches do not always determine to which side a surface bends.
 constexpr std::size_t kFewObservations = 150;
 // So many neighbouring points of an outline err together.
 constexpr double kOutlineCoherence = 8.0;
 
 /// Robust nonlinear least squares on the vertices: matches against lengths along the surface.
-class GaussNewton final : public Solver {
+class GaussNewton final : public Solver, private solvers::GuessTrial {
  public:
   static constexpr About kAbout{
       .reference =
@@ -76,15 +77,15 @@ class GaussNewton final : public Solver {
            "maximum number of Gauss-Newton iterations per initial guess");
     p.read("tolerance_m", search_.options.tolerance_m, "m", {0.0, 1.0},
            "root mean square step of the vertices at which the iteration stops");
-    p.formerly("start").component("initial_guess", start_,
+    p.formerly("start").component("initial_guess", guesses_.solver,
                                   "solver of the initial guess when there is no previous shape");
     p.formerly("go_on").read(
-        "previous_only", goes_on_,
+        "previous_only", previous_only_,
         "previous shape as the only initial guess; for a shape from an earlier solver of the "
         "same frame");
     p.formerly("start_smoothing")
-        .read("initial_guess_smoothing", start_smoothing_, "squared mean edge lengths", {0.0, 1e6},
-              "strength of the bend smoothing of the initial guess; 0: none");
+        .read("initial_guess_smoothing", guesses_.smoothing, "squared mean edge lengths",
+              {0.0, 1e6}, "strength of the bend smoothing of the initial guess; 0: none");
     p.read(
         "continue_hidden_bend", frame.continue_hidden_bend,
         "continuation of the visible part's bend where a visibility marks the surface as hidden");
@@ -114,10 +115,10 @@ class GaussNewton final : public Solver {
     tried_ = 0;
     best_ = -1;
     if (frame_.is_outline_alone) return solve_by_outline(in);
-    if (auto run = run_starts(in); !run) return run.error();
+    const auto run = guesses_.run(in, mesh_.smoother, mesh_.at_rest(), *this);
+    if (!run) return run.error();
     if (best_ >= 0 && frame_.data.observations.size() < kFewObservations) {
-      start_m_ = solvers::bend_mirrored(candidates_[to_index(best_)].vertices_m);
-      run_start(StartKind::mirrored);
+      run_from(Guess::mirrored, solvers::bend_mirrored(candidates_[to_index(best_)].vertices_m));
     }
     if (best_ < 0) {
       return no_result("no start led to a shape that faces the camera as the image does");
@@ -129,56 +130,66 @@ class GaussNewton final : public Solver {
   Result<void> prepare_mesh(const Template& templ) {
     if (mesh_revision_ != 0 && templ.revision == mesh_revision_) return {};
     mesh_revision_ = 0;
-    if (auto built = mesh_.build(templ, start_smoothing_); !built) return built;
+    if (auto built = mesh_.build(templ, guesses_.smoothing); !built) return built;
     if (auto ready = search_.prepare(templ, mesh_); !ready) return ready;
     if (wants_covariance_) covariance_.prepare(mesh_);
     mesh_revision_ = templ.revision;
     return {};
   }
 
-  /// A tracked object continues from the previous shape. Without one, after a loss or a jump, and
-  /// where the result is doubtful, other starts are tried as well.
-  Result<void> run_starts(const SolverInput& in) {
-    const bool has_previous = is_start(in.previous_shape);
-    bool tracked = false;
-    if (has_previous) {
-      start_m_ = in.previous_shape->vertices_m.matrix<3>();
-      tracked = is_tracked(in, gauge_.motion(mesh_, frame_.data, start_m_));
-      run_start(StartKind::previous);
-    }
-    if (has_previous && goes_on_ && best_ >= 0) return {};
-    if (tracked && !candidates_.front().doubtful()) return {};
-    if (has_previous && !tracked) {
-      start_m_ = solvers::depth_mirrored(in.previous_shape->vertices_m.matrix<3>());
-      run_start(StartKind::mirrored);
-    }
-    const auto convex = start_.solve(asked_of_start(in));
-    if (!convex) {
-      if (convex.error().code != Errc::no_result || tried_ == 0) return convex.error();
-      return {};
-    }
-    if (convex->vertices_m.rows() != mesh_.vertex_count()) {
-      return Error{Errc::plugin_failure, "the start has another number of vertices"};
-    }
-    start_m_ = mesh_.smoother.smoothed(convex->vertices_m.matrix<3>());
-    run_start(StartKind::convex);
-    if (start_smoothing_ > 0.0 && candidates_[tried_ - 1].doubtful()) {
-      start_m_ = convex->vertices_m.matrix<3>();
-      run_start(StartKind::rough);
-    }
-    if (!candidates_[to_index(std::max(best_, 0))].doubtful()) return {};
-    const std::optional<Points3> frontal = frontal_start(frame_.data, mesh_);
-    if (!frontal) return {};
-    start_m_ = *frontal;
-    run_start(StartKind::rigid);
+  solvers::ImageMotion motion(const Points3& shape_m) override {
+    return gauge_.motion(mesh_, frame_.data, shape_m);
+  }
+
+  Result<void> run(Guess guess, const Points3& from_m, bool) override {
+    run_from(guess, from_m);
     return {};
   }
 
-  void run_start(StartKind kind) {
+  bool needs(Guess next, bool tracked) const override {
+    if (next == Guess::mirrored) {
+      if (previous_only_ && best_ >= 0) return false;
+      return !tracked || candidates_.front().doubtful();
+    }
+    if (next == Guess::rough) return candidates_[tried_ - 1].doubtful();
+    return candidates_[to_index(std::max(best_, 0))].doubtful();
+  }
+
+  /// The nested solver may need sightlines, which the matches give.
+  SolverInput question(const SolverInput& in) const override {
+    SolverInput question = solvers::with_radii(in, frame_.data.spheres);
+    if (!question.sightlines) question.sightlines = sightlines_of(frame_.data, mesh_.faces);
+    return question;
+  }
+
+  bool rigid_guess(const SolverInput& in, Points3& guess_m) const override {
+    std::optional<Points3> posed_m =
+        mesh_.is_flat ? frontal_guess(frame_.data, mesh_)
+                      : solvers::posed_at_rest(seen_points(), in.camera, mesh_.rest_m);
+    if (posed_m) guess_m = *std::move(posed_m);
+    return posed_m.has_value();
+  }
+
+  std::vector<solvers::SeenPoint> seen_points() const {
+    std::vector<solvers::SeenPoint> points;
+    points.reserve(frame_.data.observations.size());
+    for (const SeenFace& seen : frame_.data.faces) {
+      const auto corners = mesh_.faces.row(seen.face);
+      for (std::size_t i = seen.first; i < seen.end; ++i) {
+        const Observation& o = frame_.data.observations[i];
+        points.push_back({{corners[0], corners[1], corners[2]},
+                          {o.weights[0], o.weights[1], o.weights[2]},
+                          {o.seen_px[0], o.seen_px[1]}});
+      }
+    }
+    return points;
+  }
+
+  void run_from(Guess guess, const Points3& from_m) {
     Candidate& candidate = candidates_[tried_];
-    candidate.start = kind;
-    candidate.vertices_m = start_m_;
-    if (gauge_.is_behind(mesh_, frame_.data, start_m_)) candidate.vertices_m *= -1.0;
+    candidate.guess = guess;
+    candidate.vertices_m = from_m;
+    if (gauge_.is_behind(mesh_, frame_.data, from_m)) candidate.vertices_m *= -1.0;
     search_.run(frame_, candidate);
     candidate.fit = gauge_.measure(mesh_, frame_.data, search_.energy(), candidate.vertices_m);
     const bool better =
@@ -188,33 +199,7 @@ class GaussNewton final : public Solver {
     ++tried_;
   }
 
-  /// The start is told the radii that this frame's known points have here, and of matches where
-  /// there are no sightlines.
-  SolverInput asked_of_start(const SolverInput& in) const {
-    SolverInput asked = in;
-    if (!asked.sightlines) asked.sightlines = sightlines_of(frame_.data, mesh_.faces);
-    if (!asked.known_points) return asked;
-    Array<double> radius_m({asked.known_points->count()});
-    for (std::size_t p = 0; p < frame_.data.spheres.size(); ++p) {
-      radius_m(static_cast<std::int64_t>(p)) = frame_.data.spheres[p].radius_m;
-    }
-    asked.known_points->radius_m = std::move(radius_m);
-    return asked;
-  }
-
-  bool is_start(const std::optional<Shape>& previous) const {
-    if (!previous || previous->shape_state() == ShapeState::none) return false;
-    const auto vertices_m = previous->vertices_m.matrix<3>();
-    return vertices_m.rows() == mesh_.vertex_count() && vertices_m.allFinite();
-  }
-
-  static bool is_tracked(const SolverInput& in, const solvers::ImageMotion& motion) {
-    const ShapeState state = in.previous_shape->shape_state();
-    if (state != ShapeState::estimated && state != ShapeState::weak) return false;
-    return motion.moved_px <= kJump * motion.diagonal_px;
-  }
-
-  /// From the previous shape, else from the template laid into the mask; then from the result bent
+  /// From the previous shape, else from the template placed in the mask. Then from the result, bent
   /// to the other side.
   Result<Shape> solve_by_outline(const SolverInput& in) {
     const auto& previous = in.previous_shape;
@@ -222,28 +207,25 @@ class GaussNewton final : public Solver {
                          (previous->shape_state() == ShapeState::estimated ||
                           previous->shape_state() == ShapeState::weak);
     if (follows && previous->vertices_m.matrix<3>().allFinite()) {
-      start_m_ = previous->vertices_m.matrix<3>();
-      fit_outline(StartKind::previous);
+      fit_outline(Guess::previous, previous->vertices_m.matrix<3>());
     }
     if (best_ < 0) {
-      const auto placed = outline_start(*in.object_mask, frame_.data.camera, mesh_);
-      if (!placed) return no_result("too few matches, and the mask shows no object");
-      start_m_ = *placed;
-      fit_outline(StartKind::rigid);
+      const auto placed_m = outline_start(*in.object_mask, frame_.data.camera, mesh_);
+      if (!placed_m) return no_result("too few matches, and the mask shows no object");
+      fit_outline(Guess::rigid, *placed_m);
     }
     if (best_ >= 0) {
-      start_m_ = solvers::bend_mirrored(candidates_[to_index(best_)].vertices_m);
-      fit_outline(StartKind::mirrored);
+      fit_outline(Guess::mirrored, solvers::bend_mirrored(candidates_[to_index(best_)].vertices_m));
     }
     if (best_ < 0) return no_result("lost: too few matches, and no shape fits the mask's outline");
     return build_shape(in, candidates_[to_index(best_)]);
   }
 
-  void fit_outline(StartKind kind) {
+  void fit_outline(Guess guess, const Points3& from_m) {
     constexpr double kMostMissed = 0.5;
     Candidate& candidate = candidates_[tried_++];
-    candidate.start = kind;
-    candidate.vertices_m = start_m_;
+    candidate.guess = guess;
+    candidate.vertices_m = from_m;
     search_.run(frame_, candidate);
     candidate.fit = measured_outline(candidate.vertices_m);
     const bool better =
@@ -284,7 +266,7 @@ class GaussNewton final : public Solver {
     if (frame_.inconsistent_pairs > 0) {
       return degenerate(std::move(shape),
                         std::to_string(frame_.inconsistent_pairs) +
-                            " pairs of known points are further apart than the surface allows");
+                            " pairs of known points have larger distances than the surface allows");
     }
     return shape;
   }
@@ -296,8 +278,8 @@ class GaussNewton final : public Solver {
     double probability = 0.0;  ///< [] that it, and not the best one, is right
   };
 
-  /// The likeliest one whose mean distance from the best is more than 2 % of the diagonal. Of two
-  /// shapes the odds are exp(-(difference of their energies) / (2 noise^2)).
+  /// The rival is the likeliest candidate whose mean distance from the best is more than 2 % of the
+  /// diagonal. The odds of two shapes are exp(-(difference of their energies) / (2 noise^2)).
   Rival rival_of(const Candidate& best) const {
     constexpr double kOther = 0.02;
     const double noise = observed_noise(best.fit.residual, best.fit.coherence);
@@ -374,14 +356,13 @@ class GaussNewton final : public Solver {
     diag.set("far_around", best.fit.far_around);
     diag.set("crease", best.fit.crease);
     diag.set("strain", best.fit.strain);
-    diag.set("start", static_cast<double>(best.start));
+    diag.set("start", static_cast<double>(best.guess));
     diag.set("starts_tried", static_cast<double>(tried_));
     diag.set("inconsistent_known_points", frame_.inconsistent_pairs);
   }
 
-  SolverComponent start_{"solvers/brunet_mdh"};
-  double start_smoothing_ = 1.5;
-  bool goes_on_ = false;
+  solvers::GuessSearch guesses_;
+  bool previous_only_ = false;
   bool wants_covariance_ = true;
   double scale_noise_ = 0.004;
 
@@ -391,7 +372,6 @@ class GaussNewton final : public Solver {
   ShapeSearch search_;
   FitGauge gauge_;
   ShapeCovariance covariance_;
-  Points3 start_m_;
   std::array<Candidate, 6> candidates_;
   std::size_t tried_ = 0;
   int best_ = -1;

@@ -8,7 +8,7 @@
 namespace weft::gauss_newton {
 namespace {
 
-// Of the mean of the diagonal of H.
+// Shares of the mean of the diagonal of H.
 constexpr double kFirstDamping = 1e-6, kLeastDamping = 1e-12, kMostDamping = 1e3;
 constexpr double kFollowed = 0.5;
 constexpr double kLeastLength = 0.05, kShort = 0.3;
@@ -30,8 +30,8 @@ Result<void> Minimiser::prepare(const MeshModel& mesh) {
   return factor_.analyse(mesh.rest_m, mesh.couplings);
 }
 
-/// Which part of the step leads to the least energy, by a parabola through the energy here, its
-/// slope and the energy at the end of the step; 0 where that is no step to be taken.
+/// The part of the step with the least energy, by a parabola through the energy here, its slope and
+/// the energy at the end of the step. It is 0 where no step should be taken.
 double Minimiser::length_of_step(const FrameData& frame, const Expectation& expected,
                                  const Scales& scales, double energy_here) {
   const double energy_there = energy_.value(frame, expected, scales, tried_m_);
@@ -50,7 +50,7 @@ MinimiserResult Minimiser::run(const FrameData& frame, const Expectation& expect
   bool moved = true;
   while (true) {
     if (moved) {
-      // Chords that are as short as all of a ripple asks for make the opposite one.
+      // Full correction of the chords for a ripple would produce the opposite ripple.
       energy_.follow(vertices_m, result.iterations == 0 ? 1.0 : kFollowed);
       energy_.meet_outline(frame, scales, vertices_m);
       result.energy = energy_.linearise(frame, expected, scales, vertices_m, gradient_, matrix_);

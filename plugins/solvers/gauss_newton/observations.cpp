@@ -19,7 +19,7 @@ Error mistake(const std::string& what, std::int64_t i, const std::string& proble
   return {Errc::invalid_data, what + " " + std::to_string(i) + " " + problem};
 }
 
-/// Of a covariance [2,2] px^2 to which noise along u and v is added.
+/// From a covariance [2,2] px^2 plus noise along u and v.
 std::optional<Whitening> whitening(const double* covariance_px2, double noise2_px2) {
   const double uv = 0.5 * (covariance_px2[1] + covariance_px2[2]);
   if (!(covariance_px2[0] >= 0.0 && covariance_px2[3] >= 0.0)) return std::nullopt;
@@ -113,7 +113,7 @@ Result<void> ObservationReader::add_sightlines(const Sightlines& lines, const Me
   return {};
 }
 
-/// By face, in their order within it.
+/// Sorts by face, and keeps the order within it.
 void ObservationReader::sort(const MeshModel& mesh, FrameData& frame) {
   next_.assign(to_index(mesh.faces.rows()) + 1, 0);
   for (const Read& each : read_) ++next_[to_index(each.face) + 1];

@@ -12,7 +12,7 @@
 
 namespace weft::gauss_newton {
 
-/// What counts as seen.
+/// The kinds of observations that a solver uses.
 enum class Data { matches, sightlines, both };
 
 struct ObservationOptions {
@@ -22,8 +22,8 @@ struct ObservationOptions {
   double sightline_noise_px = 1.0;    ///< [] px, of a weight of 1
 };
 
-/// Reads matches and sightlines and sorts them by face. Those in faces that a visibility says are
-/// hidden altogether are left out.
+/// Reads matches and sightlines and sorts them by face. Excludes those in faces that a visibility
+/// marks as completely hidden.
 class ObservationReader {
  public:
   /// Fails on indices that the mesh lacks, on numbers that are not finite and on covariances that

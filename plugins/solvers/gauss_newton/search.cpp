@@ -11,13 +11,14 @@ namespace weft::gauss_newton {
 namespace {
 
 constexpr double kSoft = 10.0;                        // times the strain
-constexpr double kHuber = 1.0, kApproachHuber = 4.0;  // what is far off still has to come
+constexpr double kHuber = 1.0, kApproachHuber = 4.0;  // distant observations still have to be
+                                                      // reached
 constexpr double kApproachBendRad = 0.1, kRigidBendRad = 0.02;
 constexpr int kApproachIterations = 10;
 constexpr double kApproachTolerance = 100.0;  // times that of the last steps
 constexpr std::size_t kMostSeenBends = 256;
 constexpr std::size_t kFewBesideOutline = 30;  // with fewer the outline counts from the beginning
-constexpr double kFarReach = 2.0;             // times the reach of the outline, at first
+constexpr double kFarReach = 2.0;              // times the reach of the outline, at first
 
 /// Brings known points into their spheres, by the least motion of their corners.
 void bring_into_spheres(const std::vector<KnownSurfacePoint>& spheres, Points3& vertices_m) {
@@ -76,7 +77,7 @@ void ShapeSearch::run(const Frame& frame, Candidate& candidate) {
   soft.outline.reach_px *= kFarReach;
   soft.strain *= kSoft;
   soft.pair_strain *= kSoft;
-  if (candidate.start == StartKind::rigid) {
+  if (candidate.guess == solvers::Guess::rigid) {
     soft.bend_rad = kRigidBendRad;
     settle(soft);
   }
@@ -100,7 +101,7 @@ Scales ShapeSearch::final_scales() const {
 /// Those of a shape that was measured; of other starts, those at rest.
 void ShapeSearch::expect_bends_of_start(const Candidate& candidate) {
   const bool is_measured =
-      candidate.start == StartKind::previous || candidate.start == StartKind::mirrored;
+      candidate.guess == solvers::Guess::previous || candidate.guess == solvers::Guess::mirrored;
   if (is_measured) face_normals(candidate.vertices_m, mesh_->faces, normals_);
   for (std::size_t h = 0; h < mesh_->hinges.size(); ++h) {
     const Hinge& hinge = mesh_->hinges[h];

@@ -15,10 +15,10 @@
 
 namespace weft::gauss_newton {
 
-/// From a start to the shape that it leads to. First lengths are ten times as soft and bends are
-/// held as the start has them (the convex one: as they are at rest), so that the surface comes to
-/// where it is seen without creases; then all is as it should be. Where a part is hidden, the bends
-/// of the shape so far are continued there, twice.
+/// Optimises a shape from an initial guess. The first stage makes lengths ten times softer, so that
+/// the surface reaches its observations without creases. It keeps the bends of the initial guess,
+/// or those at rest for the convex guess. The second stage uses the full energy. Where a part is
+/// hidden, the bends of the shape so far are continued there, twice.
 class ShapeSearch {
  public:
   Scales scales;
@@ -30,7 +30,7 @@ class ShapeSearch {
   /// Those of the last steps.
   Scales final_scales() const;
 
-  /// Moves the shape of a candidate, which says how it started.
+  /// Optimises the shape of a candidate, which has the kind of its initial guess.
   void run(const Frame& frame, Candidate& candidate);
 
   Energy& energy() { return minimiser_.energy(); }
@@ -44,7 +44,8 @@ class ShapeSearch {
   Minimiser minimiser_;
   Expectation expected_;
   solvers::BendContinuation continuation_;
-  std::vector<std::int32_t> hinge_of_edge_;  ///< of the edges of continuation_, -1 for none
+  std::vector<std::int32_t> hinge_of_edge_;  ///< hinge of each of the edges of continuation_, -1
+                                             ///< for none
   Points3 normals_;                          ///< [F,3]
 };
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,16 +11,39 @@
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/sdk/solver.hpp>
 
+#include "common/rigid/rigid_pose.hpp"
 #include "common/seen/seen_points.hpp"
 #include "random_bend.hpp"
-#include "rigid_pose.hpp"
 
 namespace weft::initial_guess {
 namespace {
 
 constexpr std::size_t kFewestMatches = 6;
 
+constexpr double kNoFront = 1e-3;  // mean normal over mean area
+
 enum class Begin { rigid, frontal, previous };
+
+/// The mesh [V,3] m, camera frame, rotated about its mean by the least angle after which its mean
+/// normal is parallel to the optical axis. A mesh without a mean normal, such as a closed one,
+/// stays.
+Points3 without_tilt(const Points3View& vertices_m, const FacesView& faces) {
+  Eigen::Vector3d front = Eigen::Vector3d::Zero();
+  double area = 0.0;
+  for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+    const Eigen::Vector3d a = vertices_m.row(faces(f, 0));
+    const Eigen::Vector3d b = vertices_m.row(faces(f, 1)), c = vertices_m.row(faces(f, 2));
+    const Eigen::Vector3d normal = (b - a).cross(c - a);
+    front += normal;
+    area += normal.norm();
+  }
+  if (!(front.norm() > kNoFront * area)) return vertices_m;
+  const double side = front.z() < 0.0 ? -1.0 : 1.0;
+  const Eigen::Matrix3d rotation =
+      Eigen::Quaterniond::FromTwoVectors(front, side * Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  const Eigen::RowVector3d middle_m = vertices_m.colwise().mean();
+  return ((vertices_m.rowwise() - middle_m) * rotation.transpose()).rowwise() + middle_m;
+}
 
 /// A shape that needs no theory of deformation, from which other solvers begin.
 class InitialGuess final : public Solver {
@@ -73,7 +97,7 @@ class InitialGuess final : public Solver {
     if (!std::isfinite(solvers::frontal_distance_m(points, in.camera, rest_m))) {
       return no_result("the matches coincide in the image");
     }
-    const auto pose = rigid_pose(points, in.camera, rest_m);
+    const auto pose = solvers::rigid_pose(points, in.camera, rest_m);
     if (!pose) return no_result("no rigid pose explains the matches");
     const Points3 posed_m =
         (rest_m * pose->linear().transpose()).rowwise() + pose->translation().transpose();

@@ -19,7 +19,7 @@ using solvers::LengthFitOptions;
 using solvers::LengthFitter;
 using solvers::Lengths;
 
-// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+// Fitted to simulated surfaces: docs/evidence/0023-confidence-of-solvers.md.
 constexpr solvers::ConfidenceWeights kConfidence{.bias = -9.751,
                                                  .strain = -1.731,
                                                  .strain_p95 = -0.556,
@@ -103,7 +103,7 @@ class NgoLaplacian final : public Solver {
         .controls_m;
   }
 
-  /// Of a shape that was measured in the last frame.
+  /// The controls of a shape that was measured in the last frame.
   std::optional<Eigen::MatrixX3d> previous_controls_m(const std::optional<Shape>& previous) const {
     if (!previous) return std::nullopt;
     const ShapeState state = previous->shape_state();

@@ -13,7 +13,7 @@
 namespace weft::ostlund_laplacian {
 namespace {
 
-// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+// Fitted to simulated surfaces: docs/evidence/0023-confidence-of-solvers.md.
 constexpr solvers::ConfidenceWeights kConfidence{.bias = -32.454,
                                                  .strain = -1.020,
                                                  .strain_p95 = -0.090,

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "common/guess_search.hpp"
 #include "fit.hpp"
 #include "relaxation.hpp"
 
@@ -17,11 +18,8 @@ inline constexpr double kHighEnergy = 9.0;
 // Where one edge in twenty is strained by more, a part may have folded over, such as a corner.
 inline constexpr double kCreased = 0.01;
 
-/// Where an iteration began; the numbers are those of diag.start.
-enum class StartKind { previous = 0, convex = 1, mirrored = 2 };
-
 struct Candidate {
-  StartKind start;
+  solvers::Guess guess;
   Points3 vertices_m;
   RelaxationResult relaxation;
   Fit fit;

@@ -21,11 +21,11 @@ struct HoldingNoise {
   double strain = 0.0;         ///< [] of an edge between seen vertices
   double bend_rad = 0.0;       ///< [] rad, of the angle across an edge
   double common_strain = 0.0;  ///< [] of a strain that all edges share; 0: there is none
-  double unseen_strain = 0.0;  ///< [] of an edge of which an end is not seen, beside `strain`
+  double unseen_strain = 0.0;  ///< [] strain of an edge with an unseen end, in addition to `strain`
   double unseen_bend = 0.0;    ///< [] rad, of an unseen square that bends, whatever its size
 };
 
-/// What a solver knows of the error of its shape.
+/// Indicators of the error of a shape.
 struct ShapeSigns {
   double residual_px = 0.0;    ///< [] px, of the sightlines, median
   double strain = 0.0;         ///< [] of the edges, mean
@@ -35,23 +35,22 @@ struct ShapeSigns {
   double diagonal_m = 0.0;       ///< [] m, of the template at rest
 };
 
-/// The constants are fitted to shapes of which the truth is known, see README.md.
+/// The constants are fitted to shapes with ground truth, see README.md.
 HoldingNoise holding_noise(const ShapeSigns& signs);
 
-/// How uncertain each vertex of a solved shape is: the diagonal blocks [3,3] of H^-1, where H is
-/// the Gauss-Newton matrix, at the solution, in the vertices X and a strain e that all edges share,
-/// of
-///   sum_i trust_i |(I - r_i r_i^T) X(i)|^2 / (ray_px Z_i / f)^2      sightlines
+/// The uncertainty of each vertex of a solved shape: the diagonal blocks [3,3] of H^-1. H is the
+/// Gauss-Newton matrix, at the solution, in the vertices X and a strain e that all edges share, of
+///     sum_i trust_i |(I - r_i r_i^T) X(i)|^2 / (ray_px Z_i / f)^2      sightlines
 ///   + sum_edges (|d| / l0 - 1 - e)^2 / strain^2 + e^2 / common_strain^2
 ///   + sum_hinges |sum_k c_k X_k|^2 / bend_rad^2                      bends
 ///   + sum_p |X(p) - p|^2 / radius_p^2 + sum_v |X_v - x_v|^2 / (0.3 m)^2   known points, and a
-///   prior.
-/// Bending pairs, whose distances say nothing to first order of motion across a flat sheet, are
-/// there as bends. The edges of a mesh cut across the bends of a surface, all of them: too long a
-/// template is seen too far away. Where a vertex of a hinge is not seen, its bend errs by
-/// 3 unseen_bend^2 / w more, w its weight in the bending energy: the curvature there is white
-/// noise, whatever the mesh. The direction of an unseen edge is not known well enough to say what
-/// lengthens it, hence unseen_strain.
+///     prior.
+/// Bends replace bending pairs, because distances of pairs do not change to first order when a flat
+/// surface moves across its plane. All edges of a mesh cut across the bends of a surface: with too
+/// long a template, the shape is too far away. Where a vertex of a hinge is not seen, the variance
+/// of its bend grows by 3 unseen_bend^2 / w, with w its weight in the bending energy. The curvature
+/// there is white noise, whatever the mesh. The length of an unseen edge depends on its unknown
+/// direction, hence unseen_strain.
 ///
 /// H is sparse as the mesh is, bordered by e; of its inverse only diagonal blocks are computed.
 class ShapeCovariance {
@@ -74,7 +73,7 @@ class ShapeCovariance {
   void add_edges(const ParticleSystem& system, const std::vector<std::uint8_t>& seen,
                  const Points3& vertices_m, const HoldingNoise& noise);
   void add_bends(const std::vector<std::uint8_t>& seen, const HoldingNoise& noise);
-  /// Of a pair of blocks beside the diagonal the one above it is kept.
+  /// For a pair of off-diagonal blocks it keeps the one above the diagonal.
   void add_block(std::int32_t row, std::int32_t column, const Eigen::Matrix3d& block);
 
   /// A hinge and, of its corners (r, c), r < c, the numbers of the pairs.
@@ -90,7 +89,7 @@ class ShapeCovariance {
   solvers::BlockCholesky factor_;
   std::vector<Eigen::Matrix3d> inverse_;
   Points3 shared_, solved_;    ///< [V,3] column of e in H, and H^-1 times it
-  double edge_weights_ = 0.0;  ///< of the edges, on the diagonal of e in H
+  double edge_weights_ = 0.0;  ///< weights of the edges, on the diagonal of e in H
 };
 
 }  // namespace weft::particle_sft

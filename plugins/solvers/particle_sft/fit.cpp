@@ -15,7 +15,7 @@ namespace {
 constexpr double kUsualNoisePx = 0.5;
 constexpr double kUsualStrain = 0.02;
 
-/// Whether most faces with three sightlines at vertices turn the other way than in the image.
+/// True if most faces with three sightlines at vertices turn the other way than in the image.
 bool turns_the_other_way(const MeshModel& mesh, const Sightlines& sightlines, const Pinhole& camera,
                          const Points3& vertices_m) {
   Points2 measured_px =

@@ -19,7 +19,7 @@ struct FrameOptions {
   bool continue_uncovered_bend = true;  ///< []
 };
 
-/// What holds the shape in one frame.
+/// The constraints on the shape in one frame.
 struct FrameConstraints {
   ParticleSystem system;             ///< its bending pairs are those of each start
   std::vector<std::uint8_t> hidden;  ///< [V] 1 for the hidden part; empty without one

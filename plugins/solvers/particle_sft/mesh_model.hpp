@@ -20,7 +20,7 @@ namespace weft::particle_sft {
 std::vector<DistanceConstraint> by_colour(const std::vector<DistanceConstraint>& constraints,
                                           Eigen::Index vertex_count);
 
-/// What follows from the template alone.
+/// The data that depend on the template alone.
 class MeshModel {
  public:
   /// Fails on a mesh that is not manifold, not finite or has coincident neighbours. `smoothing` is
@@ -32,16 +32,16 @@ class MeshModel {
   const Faces& faces() const { return faces_; }
   const std::vector<DistanceConstraint>& stretch() const { return stretch_; }  ///< edges
   const std::vector<DistanceConstraint>& bending() const { return bending_; }
-  const IndexLists& neighbours() const { return neighbours_; }         ///< of each vertex
+  const IndexLists& neighbours() const { return neighbours_; }         ///< for each vertex
   const std::vector<std::int32_t>& border() const { return border_; }  ///< vertices, in any order
-  double diagonal_m() const {  ///< of the bounding box at rest
+  double diagonal_m() const {  ///< diagonal of the bounding box at rest
     return (rest_m_.colwise().maxCoeff() - rest_m_.colwise().minCoeff()).norm();
   }
   const Points3& rest_m() const { return rest_m_; }  ///< [V,3] m
   const std::vector<BendingHinge>& hinges() const { return hinges_; }
 
-  /// With fewer creases, by BendSmoother.
-  Points3 smoothed(const Points3& rough_m) const { return smoother_.smoothed(rough_m); }
+  /// For the nested solver's result.
+  const solvers::BendSmoother& smoother() const { return smoother_; }
 
   /// For lengths along the surface.
   solvers::RestMesh at_rest() const { return {rest_m_, neighbours_, flat_}; }

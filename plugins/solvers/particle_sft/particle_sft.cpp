@@ -11,9 +11,10 @@
 #include <weft/sdk/solver.hpp>
 
 #include "candidate.hpp"
+#include "common/guess_search.hpp"
 #include "common/hidden_bend.hpp"
-#include "common/image_motion.hpp"
 #include "common/preset/preset.hpp"
+#include "common/rigid/rigid_pose.hpp"
 #include "confidence.hpp"
 #include "covariance.hpp"
 #include "fit.hpp"
@@ -24,18 +25,15 @@
 namespace weft::particle_sft {
 namespace {
 
+using solvers::Guess;
+
 // A shape that is further from its rays is lost.
 constexpr double kLostResidualPx = 6.0;
-// An object that jumped by this share of its size is found anew.
-constexpr double kJump = 0.25;
-// One that is within this share of its size was followed from the frame before; behind a cut it may
-// have bent while it stayed in its place.
-constexpr double kNear = 0.03;
-// Of the vertices: where so many are a guess that contradicts itself, the shape is weak.
+// Share of the vertices: where more are a guess that contradicts itself, the shape is weak.
 constexpr double kUnknownShare = 0.1;
 
 /// Particle-SfT: the vertices as particles between their sightlines and the distances at rest.
-class ParticleSft final : public Solver {
+class ParticleSft final : public Solver, private solvers::GuessTrial {
  public:
   static constexpr About kAbout{
       .reference =
@@ -64,11 +62,11 @@ class ParticleSft final : public Solver {
            "radius of known points whose own radius is negative; 0: exact positions");
     p.read("min_sightlines", frame_options_.min_sightlines, "", {3, 1000000},
            "minimum number of sightlines for a result");
-    p.formerly("start").component("initial_guess", start_,
+    p.formerly("start").component("initial_guess", guesses_.solver,
                                   "solver of the initial guess when there is no previous shape");
     p.formerly("start_smoothing")
-        .read("initial_guess_smoothing", start_smoothing_, "squared mean edge lengths", {0.0, 1e6},
-              "strength of the bend smoothing of the initial guess; 0: none");
+        .read("initial_guess_smoothing", guesses_.smoothing, "squared mean edge lengths",
+              {0.0, 1e6}, "strength of the bend smoothing of the initial guess; 0: none");
     p.read("multi_start", multi_start_,
            "further initial guesses after a loss, after a jump and after a doubtful result");
     p.read(
@@ -83,17 +81,19 @@ class ParticleSft final : public Solver {
   Result<Shape> solve(const SolverInput& in) override {
     if (auto ready = prepare_mesh(in.templ); !ready) return ready.error();
     if (auto read = frame_.read(in, mesh_, frame_options_); !read) return read.error();
-    std::vector<Candidate> candidates;
-    if (auto run = run_starts(in, candidates); !run) return run.error();
+    in_ = &in;
+    candidates_.clear();
+    const auto run = guesses_.run(in, mesh_.smoother(), mesh_.at_rest(), *this);
+    if (!run) return run.error();
     const Candidate* best = nullptr;
-    for (const Candidate& candidate : candidates) {
+    for (const Candidate& candidate : candidates_) {
       if (!candidate.usable()) continue;
       if (best == nullptr || candidate.fit.energy < best->fit.energy) best = &candidate;
     }
     if (best == nullptr) {
       return no_result("no start led to a shape that faces the camera as the image does");
     }
-    return build_shape(in, *best, candidates.size());
+    return build_shape(in, *best);
   }
 
  private:
@@ -101,7 +101,7 @@ class ParticleSft final : public Solver {
   /// which a preset does not change.
   void begin_as_authors() {
     options_.tolerance_m = 1e-5;
-    start_smoothing_ = 0.0;
+    guesses_.smoothing = 0.0;
     multi_start_ = false;
     frame_options_.continue_hidden_bend = false;
     frame_options_.continue_uncovered_bend = false;
@@ -110,7 +110,7 @@ class ParticleSft final : public Solver {
   Result<void> prepare_mesh(const Template& templ) {
     if (mesh_revision_ != 0 && templ.revision == mesh_revision_) return {};
     mesh_revision_ = 0;
-    if (auto built = mesh_.build(templ, start_smoothing_); !built) return built;
+    if (auto built = mesh_.build(templ, guesses_.smoothing); !built) return built;
     if (auto built = continuation_.build(templ); !built) return built;
     if (wants_covariance_) {
       if (auto built = covariance_.build(mesh_); !built) return built;
@@ -120,68 +120,41 @@ class ParticleSft final : public Solver {
     return {};
   }
 
-  /// A tracked object continues from the previous shape. Without one, after a loss or a jump, and
-  /// where the result is doubtful, other starts are tried as well. Without `multi_start` the start
-  /// is the previous shape, or that of `initial_guess` where there is none.
-  Result<void> run_starts(const SolverInput& in, std::vector<Candidate>& candidates) {
-    const std::optional<Points3> previous = previous_vertices(in);
-    const solvers::ImageMotion motion =
-        previous ? image_motion(frame_.system, pinhole(in), *previous) : solvers::ImageMotion{};
-    const bool tracked = previous && is_tracked(in, motion);
-    if (previous) {
-      RelaxationOptions options = options_;
-      if (tracked && motion.distance_px <= kNear * motion.diagonal_px)
-        options.damping = tracked_damping_;
-      auto run = relax(in, StartKind::previous, *previous, options, candidates);
-      if (!run) return run;
-    }
-    if (previous && !multi_start_) return {};
-    if (tracked && !candidates.back().doubtful()) return {};
-    if (previous && !tracked) {
-      auto run =
-          relax(in, StartKind::mirrored, solvers::depth_mirrored(*previous), options_, candidates);
-      if (!run) return run;
-    }
-    const auto convex = start_.solve(asked_of_start(in));
-    if (!convex) {
-      if (convex.error().code != Errc::no_result || candidates.empty()) return convex.error();
-      return {};
-    }
-    if (convex->vertices_m.rows() != mesh_.vertex_count()) {
-      return Error{Errc::plugin_failure, "the start has another number of vertices"};
-    }
-    return relax(in, StartKind::convex, mesh_.smoothed(convex->vertices_m.matrix<3>()), options_,
-                 candidates);
+  solvers::ImageMotion motion(const Points3& shape_m) override {
+    return image_motion(frame_.system, pinhole(*in_), shape_m);
   }
 
-  /// The start is told the radii that this frame's known points have here.
-  SolverInput asked_of_start(const SolverInput& in) const {
-    SolverInput asked = in;
-    if (!asked.known_points) return asked;
-    Array<double> radius_m({asked.known_points->count()});
-    for (std::size_t p = 0; p < frame_.system.spheres.size(); ++p) {
-      radius_m(static_cast<std::int64_t>(p)) = frame_.system.spheres[p].radius_m;
+  /// Without `multi_start` the only guess is the previous shape, or the nested solver's result if
+  /// there is none.
+  bool needs(Guess next, bool tracked) const override {
+    if (next != Guess::mirrored || !multi_start_) return false;
+    return !tracked || candidates_.back().doubtful();
+  }
+
+  SolverInput question(const SolverInput& in) const override {
+    return solvers::with_radii(in, frame_.system.spheres);
+  }
+
+  bool rigid_guess(const SolverInput& in, Points3& guess_m) const override {
+    if (!multi_start_) return false;
+    std::vector<solvers::SeenPoint> points;
+    points.reserve(frame_.system.rays.size());
+    for (const RayConstraint& seen : frame_.system.rays) {
+      const Eigen::Vector3d ray(seen.ray[0], seen.ray[1], seen.ray[2]);
+      points.push_back({seen.vertices,
+                        {seen.weights[0], seen.weights[1], seen.weights[2]},
+                        project(pinhole(in), ray)});
     }
-    asked.known_points->radius_m = std::move(radius_m);
-    return asked;
+    std::optional<Points3> posed_m = solvers::posed_at_rest(points, in.camera, mesh_.rest_m());
+    if (posed_m) guess_m = *std::move(posed_m);
+    return posed_m.has_value();
   }
 
-  std::optional<Points3> previous_vertices(const SolverInput& in) const {
-    if (!in.previous_shape || in.previous_shape->shape_state() == ShapeState::none) return {};
-    const Points3 vertices_m = in.previous_shape->vertices_m.matrix<3>();
-    if (vertices_m.rows() != mesh_.vertex_count() || !vertices_m.allFinite()) return {};
-    return vertices_m;
-  }
-
-  static bool is_tracked(const SolverInput& in, const solvers::ImageMotion& motion) {
-    const ShapeState state = in.previous_shape->shape_state();
-    if (state != ShapeState::estimated && state != ShapeState::weak) return false;
-    return motion.moved_px <= kJump * motion.diagonal_px;
-  }
-
-  Result<void> relax(const SolverInput& in, StartKind start, const Points3& from_m,
-                     const RelaxationOptions& options, std::vector<Candidate>& candidates) {
-    Candidate candidate{start, from_m, {}, {}};
+  Result<void> run(Guess guess, const Points3& from_m, bool followed) override {
+    const SolverInput& in = *in_;
+    RelaxationOptions options = options_;
+    if (followed) options.damping = tracked_damping_;
+    Candidate candidate{guess, from_m, {}, {}};
     frame_.system.bending = mesh_.bending();
     if (!frame_.hidden.empty()) {
       solvers::HiddenBend bend = continuation_.continued(from_m, frame_.hidden, mesh_.bending());
@@ -193,7 +166,7 @@ class ParticleSft final : public Solver {
     if (candidate.relaxation.stop == Stop::cancelled) {
       return Error{Errc::cancelled, "cancelled"};
     }
-    if (!frame_.hidden.empty()) {  // distances alone do not tell a bend from its opposite
+    if (!frame_.hidden.empty()) {  // distances alone do not distinguish a bend from its opposite
       solvers::HiddenBend bend = continuation_.continued(candidate.vertices_m, frame_.hidden, {});
       candidate.vertices_m = std::move(bend.shape_m);
       candidate.torn_vertices = bend.torn_vertices;
@@ -204,11 +177,11 @@ class ParticleSft final : public Solver {
     }
     if (median_in_place(depths_m) < 0.0) candidate.vertices_m *= -1.0;
     candidate.fit = assess(mesh_, frame_.system, *in.sightlines, pinhole(in), candidate.vertices_m);
-    candidates.push_back(std::move(candidate));
+    candidates_.push_back(std::move(candidate));
     return {};
   }
 
-  Result<Shape> build_shape(const SolverInput& in, const Candidate& best, std::size_t tried) {
+  Result<Shape> build_shape(const SolverInput& in, const Candidate& best) {
     if (best.fit.residual_px >= kLostResidualPx) {
       return no_result("lost: the median point is " + std::to_string(best.fit.residual_px) +
                        " px from its ray");
@@ -231,11 +204,11 @@ class ParticleSft final : public Solver {
                                              noise, shape.covariance_m2.data());
       if (!known) shape.covariance_m2 = {};
     }
-    explain(best, tried, shape.diag);
+    explain(best, shape.diag);
     if (frame_.inconsistent_pairs > 0) {
       return degenerate(std::move(shape),
                         std::to_string(frame_.inconsistent_pairs) +
-                            " pairs of known points are further apart than the surface allows");
+                            " pairs of known points have larger distances than the surface allows");
     }
     const auto torn = static_cast<double>(best.torn_vertices);
     if (torn > kUnknownShare * static_cast<double>(mesh_.vertex_count())) {
@@ -248,15 +221,15 @@ class ParticleSft final : public Solver {
     return shape;
   }
 
-  void explain(const Candidate& best, std::size_t tried, Diagnostics& diag) const {
+  void explain(const Candidate& best, Diagnostics& diag) const {
     diag.set("iterations", best.relaxation.iterations);
     diag.set("stop", static_cast<double>(best.relaxation.stop));
     diag.set("last_step_m", best.relaxation.last_step_m);
     diag.set("residual_px", best.fit.residual_px);
     diag.set("strain", best.fit.strain);
     diag.set("energy", best.fit.energy);
-    diag.set("start", static_cast<double>(best.start));
-    diag.set("starts_tried", static_cast<double>(tried));
+    diag.set("start", static_cast<double>(best.guess));
+    diag.set("starts_tried", static_cast<double>(candidates_.size()));
     diag.set("inconsistent_known_points", frame_.inconsistent_pairs);
     diag.set("torn_vertices", static_cast<double>(best.torn_vertices));
   }
@@ -268,8 +241,7 @@ class ParticleSft final : public Solver {
   RelaxationOptions options_;
   double tracked_damping_ = 0.008;
   FrameOptions frame_options_;
-  SolverComponent start_{"solvers/brunet_mdh"};
-  double start_smoothing_ = 1.5;
+  solvers::GuessSearch guesses_;
   bool multi_start_ = true;
   bool wants_covariance_ = true;
 
@@ -279,6 +251,8 @@ class ParticleSft final : public Solver {
   FrameConstraints frame_;
   Relaxation relaxation_;
   ShapeCovariance covariance_;
+  const SolverInput* in_ = nullptr;  ///< of the frame being solved
+  std::vector<Candidate> candidates_;
 };
 
 }  // namespace

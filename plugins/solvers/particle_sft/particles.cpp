@@ -94,7 +94,7 @@ void put_on_rays_plain(const RayQuad* quads, std::size_t count, Particle* y) {
   return _mm256_add_pd(_mm256_permute2f128_pd(ab, cd, 0x20), _mm256_permute2f128_pd(ab, cd, 0x31));
 }
 
-/// One number in all lanes.
+/// One number in all slots.
 template <int lane>
 [[gnu::target("avx2"), gnu::always_inline]] inline __m256d spread_avx2(__m256d numbers) {
   return _mm256_permute4x64_pd(numbers, lane * 0x55);

@@ -13,8 +13,8 @@ struct alignas(32) Particle {
   std::array<double, 4> m{};  ///< m, camera frame
 };
 
-/// Up to four constraints that follow each other and share no particle: side by side they give the
-/// same bits as one after the other. Lanes that are left over act on a particle of their own behind
+/// Up to four constraints that follow each other and share no particle. Side by side they give the
+/// same bits as one after the other. Unused slots of the SIMD vector act on a spare particle behind
 /// the others, which stays at 0.
 struct SpringQuad {
   std::array<std::int32_t, 4> i{}, j{};   ///< particles at its ends
@@ -31,10 +31,10 @@ struct RayQuad {
 /// Gathers constraints into quads in the order in which they are added.
 class QuadBuilder {
  public:
-  /// `spare` is the particle of lanes that are left over.
+  /// `spare` is the particle of unused slots.
   explicit QuadBuilder(std::int32_t spare) : spare_(spare) {}
 
-  /// Lane of the next constraint, which acts on these two; 0 where a new quad begins.
+  /// Slot of the next constraint, which acts on these two; 0 where a new quad begins.
   std::size_t lane(std::int32_t a, std::int32_t b);
   std::int32_t spare() const { return spare_; }
 

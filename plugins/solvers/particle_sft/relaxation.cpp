@@ -12,11 +12,11 @@
 namespace weft::particle_sft {
 namespace {
 
-constexpr int kStallWindow = 200;  // the step of a swinging sheet falls and rises for about 100
+constexpr int kStallWindow = 200;  // the step of a swinging surface falls and rises for about 100
 constexpr double kStallFactor = 0.99;
 constexpr int kAskEvery = 8;
 
-/// Between two parts the host may be asked.
+/// The host may cancel between two parts.
 void sweep_in_parts(const std::vector<SpringQuad>& quads, double stiffness, Particle* y) {
   constexpr std::size_t kPart = 16384;
   for (std::size_t first = 0; first < quads.size(); first += kPart) {

@@ -68,8 +68,8 @@ struct RelaxationResult {
 /// by 1 % for 200 iterations, or after max_iterations. Pairs closer than 1e-9 m are left alone.
 class Relaxation {
  public:
-  /// Moves `vertices_m` [V,3], which must be finite. `cancelled` is asked now and then. The result
-  /// depends on the arguments alone.
+  /// Moves `vertices_m` [V,3], which must be finite. The solver calls `cancelled` now and then. The
+  /// result depends on the arguments alone.
   RelaxationResult run(const ParticleSystem& system, const RelaxationOptions& options,
                        Points3& vertices_m, const std::function<bool()>& cancelled);
 

@@ -15,7 +15,7 @@
 namespace weft::salzmann_closed_form {
 namespace {
 
-constexpr double kLeastPivot = 1e-13;  // of the largest eigenvalue of squares
+constexpr double kLeastPivot = 1e-13;  // share of the largest eigenvalue of squares
 constexpr double kLeastProgress = 1e-12;
 constexpr int kMostHalvings = 8;
 constexpr int kMostExtended = 8;  // shapes: beyond, the system of all products of three is large
@@ -93,7 +93,7 @@ Eigen::MatrixXd LengthEquations::products(int k) const {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(normal);
   const Eigen::VectorXd along = axes.eigenvectors().transpose() *
                                 (equations.leftCols(count).transpose() * equations.col(count));
-  // Of what the equations leave open, the products of least size.
+  // Among the products that the equations leave open, those of least size.
   const double least = kLeastPivot * axes.eigenvalues()(count - 1);
   const Eigen::VectorXd found =
       axes.eigenvectors() *

@@ -18,17 +18,17 @@ class LengthEquations {
   LengthEquations(const ObservedShapes& observed, const std::vector<DistanceConstraint>& edges,
                   double usual_strain);
 
-  /// By linearisation: the products b_ij are found by least squares, and beta
-  /// from the largest eigenvalue of the matrix b, of which they are a product
-  /// if the second one is small.
+  /// The solution by linearisation. Least squares give the products b_ij, and the largest
+  /// eigenvalue of the matrix b gives beta. The matrix is a product of beta if its second
+  /// eigenvalue is small.
   Eigen::VectorXd linearised(int k) const;
 
-  /// By extended linearisation: each equation, multiplied by each beta_m, is
-  /// linear in the products of three and in beta; the vector of all these that
-  /// solves the equations best has the direction of beta in its linear part.
+  /// The solution by extended linearisation. Each equation, multiplied by each beta_m, is linear in
+  /// the products of three and in beta. The linear part of the vector that solves these equations
+  /// best has the direction of beta.
   Eigen::VectorXd extended(int k) const;
 
-  /// Gauss-Newton on value(), at most so many iterations.
+  /// Gauss-Newton on value(), at most `iterations` iterations.
   Eigen::VectorXd polished(Eigen::VectorXd beta, int iterations) const;
 
   /// sum over edges ((|d|^2 / l^2 - 1) / (2 usual_strain))^2 + cost of the
@@ -49,9 +49,9 @@ class LengthEquations {
   double usual_strain_;
 };
 
-/// Of all numbers of shapes up to `most`, each combined by linearisation, by
-/// extended linearisation and from the best of fewer shapes, and polished: what
-/// fits best. Empty where nothing is finite.
+/// The best combination over all numbers of shapes up to `most`. Each number is combined by
+/// linearisation, by extended linearisation and from the best of fewer shapes, and then polished.
+/// Empty where nothing is finite.
 Eigen::VectorXd best_combination(const LengthEquations& equations, int most, int polish_iterations);
 
 }  // namespace weft::salzmann_closed_form

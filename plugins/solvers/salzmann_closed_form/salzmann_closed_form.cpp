@@ -21,7 +21,7 @@ namespace {
 using solvers::SeenPoint;
 
 constexpr std::size_t kFewestMatches = 10;
-// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+// Fitted to simulated surfaces: docs/evidence/0023-confidence-of-solvers.md.
 constexpr solvers::ConfidenceWeights kConfidence{.bias = -26.135,
                                                  .strain = -1.799,
                                                  .strain_p95 = -1.638,
@@ -149,7 +149,7 @@ class SalzmannClosedForm final : public Solver {
   int rounds_ = 4;
   double outlier_px_ = 20.0;
 
-  std::uint64_t revision_ = 0;  ///< of the template that all of this is for
+  std::uint64_t revision_ = 0;  ///< revision of the template to which all of this belongs
   std::vector<DistanceConstraint> edges_;
   SmoothModes modes_;
 };

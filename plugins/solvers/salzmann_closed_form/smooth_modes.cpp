@@ -14,8 +14,8 @@
 namespace weft::salzmann_closed_form {
 namespace {
 
-constexpr double kShift = 1e-8;      // of the mean of the diagonal of K, which is singular
-constexpr double kLeastRank = 1e-5;  // of what is not flat
+constexpr double kShift = 1e-8;      // share of the mean of the diagonal of K, which is singular
+constexpr double kLeastRank = 1e-5;  // relative thickness above which a shape is not flat
 constexpr Eigen::Index kSpare = 8;   // vectors that are iterated beside those that are wanted
 constexpr int kIterations = 30;
 

@@ -17,11 +17,10 @@ struct SmoothModes {
                              ///< ones, then ascending
 };
 
-/// At most `count` modes. With the bending energy K of the mesh and the
-/// projection P on what is orthogonal to 1, x, y and z at rest, the latter are
-/// the eigenvectors of P K P of the smallest eigenvalues, by subspace iteration
-/// (Bathe and Wilson, 1972). So a curved rest shape, and all its affine images,
-/// cost nothing.
+/// At most `count` modes. The modes beyond 1, x, y and z at rest follow from the bending energy K
+/// of the mesh. With the projection P on the complement of these four, they are the eigenvectors of
+/// P K P with the smallest eigenvalues, by subspace iteration (Bathe and Wilson, 1972). Therefore a
+/// curved rest shape, and all its affine images, cost nothing.
 SmoothModes smooth_modes(const Points3View& rest_m, const std::vector<BendingHinge>& hinges,
                          int count);
 

@@ -8,7 +8,7 @@
 namespace weft::salzmann_convex {
 namespace {
 
-// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+// Fitted to simulated surfaces: docs/evidence/0023-confidence-of-solvers.md.
 constexpr solvers::ConfidenceWeights kConfidence{.bias = -42.060,
                                                  .strain = -1.321,
                                                  .roughness = -0.966,

@@ -9,7 +9,7 @@ namespace weft::salzmann_local {
 namespace {
 
 constexpr double kWaveShare = 0.5;
-constexpr double kLeastTurn = 1e-3;  // of `turn_rad`: flatter cones lose digits
+constexpr double kLeastTurn = 1e-3;  // share of `turn_rad`: flatter cones lose digits
 
 }  // namespace
 

@@ -15,7 +15,8 @@
 namespace weft::salzmann_local {
 namespace {
 
-/// Of the size of a patch: what is flatter is flat, and what is closer is the same.
+/// Share of the size of a patch: smaller reliefs count as flat, and smaller differences as the
+/// same.
 constexpr double kSame = 1e-6;
 
 /// Where a patch lies at rest, from its middle.

@@ -13,7 +13,7 @@
 
 namespace weft::salzmann_local {
 
-/// How patches of bent sheets usually depart from an affine image of the patch at rest.
+/// The usual deviations of patches of bent surfaces from an affine image of the patch at rest.
 struct LocalModel {
   Eigen::MatrixXd modes;         ///< [n,k] orthonormal, orthogonal to 1 and to the rest shape
   Eigen::VectorXd variances_m2;  ///< [k] of a coefficient of one coordinate, largest first
@@ -21,14 +21,14 @@ struct LocalModel {
 
 /// Principal components of bends of a patch with the rest shape [n,3] m that lies flat at [n,2] m.
 ///
-/// A patch in the camera frame may have any rotation. Were the training patches Y [n,3] turned by
-/// all rotations R, their mean would be 0 and their covariance E[Y Y'] / 3 for each coordinate,
-/// without any between coordinates, since E[(R' a)(R' b)'] = (a.b / 3) I. So the coordinates share
-/// modes, and nothing is lost to sampling. With N a basis of what is orthogonal to 1 and to the
-/// rest shape, affine images of which include all its rigid motions, the modes are those of
-///   C = E[N' Y Y' N] / 3:
-/// translations, rotations and the size are left to the image and to the lengths.
-/// k = n - 4 of a curved, n - 3 of a flat patch; none where that is not above 0.
+/// A patch in the camera frame may have any rotation. If the training patches Y [n,3] are rotated
+/// by all rotations R, their mean is 0. Their covariance is E[Y Y'] / 3 for each coordinate,
+/// without any between coordinates, since E[(R' a)(R' b)'] = (a.b / 3) I. Therefore the coordinates
+/// share modes, and no sampling of rotations is necessary. With N a basis of the complement of 1
+/// and the rest shape, whose affine images include all its rigid motions, the modes are those of
+///     C = E[N' Y Y' N] / 3.
+/// Translations, rotations and the size are left to the image and to the lengths. A curved patch
+/// has k = n - 4 modes and a flat patch n - 3; there are none where that is not above 0.
 LocalModel learn_model(const Points2& flat_m, const Points3& rest_m,
                        const std::vector<IsometricBend>& bends);
 
@@ -38,7 +38,7 @@ LocalModel learn_model(const Points2& flat_m, const Points3& rest_m,
 Eigen::MatrixXd prior_rows(const LocalModel& model, double floor_m);
 
 struct LocalModelOptions {
-  double turn_rad = 3.0;       ///< [] rad, usual turn of a bent sheet over its diagonal
+  double turn_rad = 3.0;       ///< [] rad, usual turn of a bent surface over its diagonal
   double floor_edges = 0.001;  ///< [] in mean edges
   int training_shapes = 300;
   std::uint64_t seed = 2011;

@@ -10,7 +10,7 @@
 namespace weft::salzmann_local {
 namespace {
 
-// Fitted to simulated sheets: docs/evidence/0023-confidence-of-solvers.md.
+// Fitted to simulated surfaces: docs/evidence/0023-confidence-of-solvers.md.
 constexpr solvers::ConfidenceWeights kConfidence{.bias = -59.878,
                                                  .strain = -1.312,
                                                  .strain_p95 = -0.473,
@@ -19,7 +19,8 @@ constexpr solvers::ConfidenceWeights kConfidence{.bias = -59.878,
                                                  .share = 1.037,
                                                  .coverage = 2.190};
 
-/// The inextensible surface of salzmann_convex, held by linear local models of how sheets bend.
+/// The inextensible surface of salzmann_convex, with linear local models of the bends of surfaces
+/// as prior.
 class SalzmannLocal final : public Solver {
  public:
   static constexpr About kAbout{.reference =
@@ -48,7 +49,7 @@ class SalzmannLocal final : public Solver {
     if (auto ready = prepare_mesh(in.templ); !ready) return ready.error();
     const auto solved = surface_.solve(in, prior_weight_px_);
     if (!solved) return solved.error();
-    // The prior joins what is not seen to what is; nothing joins connected parts.
+    // The prior joins hidden vertices to visible ones; nothing joins connected parts.
     const auto filled = surface_.fill(
         in.templ, solved->vertices_m,
         has_prior() ? surface_.parts_with_matches() : surface_.vertices_with_matches());

@@ -13,15 +13,14 @@ namespace weft::sources {
 
 struct CsvCell {
   std::string text;      ///< without the quotes and the blanks around it
-  std::size_t byte = 0;  ///< of the line, where it begins
+  std::size_t byte = 0;  ///< position in the line where the cell begins
 };
 
 /// The cells of a line without its line break. A cell may be quoted; `""` inside of quotes is one.
 /// Fails at a quote that is not closed on its line, or not followed by a comma.
 Result<std::vector<CsvCell>> csv_cells(std::string_view line);
 
-/// What is wrong with a first line that separates its columns by something else than commas, or is
-/// UTF-16.
+/// The error in a first line whose separator is not the comma, or that is UTF-16.
 std::optional<std::string> mistake_in_csv_header(std::string_view line);
 
 /// The number that all of a cell spells, finite; a plus sign may precede it.

@@ -16,7 +16,8 @@ class CsvLines {
   /// Fails on a file that cannot be read, or of more than 256 MiB.
   static Result<CsvLines> open(const std::string& path);
 
-  /// Whether there is a further line, which fields() then has. Fails at a line that is no CSV.
+  /// Reads a further line, which fields() then has; false at the end. Fails at a line that is no
+  /// CSV.
   Result<bool> next();
   const std::vector<std::string>& fields() const { return fields_; }
 

@@ -7,16 +7,17 @@
 
 namespace weft::sources {
 
-/// Whether a file or folder of this name matches the pattern of one. An unfinished file of Weft,
+/// True if a file or folder of this name matches the pattern of one. An unfinished file of Weft,
 /// NAME.<12 hexadecimal digits>.part (see UnfinishedFile), stays where its writer was killed: it
 /// matches only patterns that end in ".part".
 bool matches_name(const std::string& pattern, const std::string& name);
 
-/// What matches `pattern`, in natural order (see core/file_order.hpp). * ? and [ ] work in the file
-/// name and in folders, never across a '/', and do not match a leading dot; a part of the path that
-/// exists as it stands is no pattern. A match is an entry of a folder, whether it can be read or
-/// not (a broken link, a folder, a pipe): else those behind it would take its place. An unfinished
-/// file matches only patterns that end in ".part". No match is an error that says why.
+/// The files that match `pattern`, in natural order (see core/file_order.hpp). The wildcards * ?
+/// and [ ] work in the file name and in folders, never across a '/', and do not match a leading
+/// dot. A part of the path that exists literally is not a pattern. A match is an entry of a folder,
+/// even if it cannot be read (a broken link, a folder, a pipe). Otherwise the next files would take
+/// its place. An unfinished file matches only patterns that end in ".part". No match is an error
+/// with its reason.
 Result<std::vector<std::string>> matching_files(const std::string& pattern);
 
 /// "gt/009_mdh301.csv" -> "009_mdh301".

@@ -108,7 +108,7 @@ Result<void> TruthFiles::take(File file, const std::string& stem) {
                                            "', which already has " + other.path + sentence};
     };
     if (other.part == file.part) {
-      return refuse(": remove one, or tell them apart as parts by 'truth_parts'");
+      return refuse(": remove one, or distinguish them as parts by 'truth_parts'");
     }
     if (!other.kind.empty() && !file.kind.empty() && other.kind != file.kind) {
       return refuse(" of another kind, '" + other.kind + "' instead of '" + file.kind +
@@ -127,7 +127,7 @@ Result<void> TruthFiles::check_parts() const {
       });
     };
     if (std::any_of(files_of_.begin(), files_of_.end(), has_part)) continue;
-    return Error{Errc::not_found, "no truth file is of the part '" + parts_[i] +
+    return Error{Errc::not_found, "no truth file has the part '" + parts_[i] +
                                       "': its name must end in _" + parts_[i] +
                                       ", or its folder be " + parts_[i] +
                                       "; correct 'truth_parts' or 'truth'"};

@@ -22,9 +22,10 @@ class TruthFiles {
   /// The parameters truth_parts and truth_unit_m.
   void declare(Params& p);
 
-  /// Finds the files of `pattern` and reads those of true points; no file for an empty pattern.
-  /// Fails on a file without a frame, on two of one part of a frame, on files of a frame of several
-  /// kinds, on an unknown extension, on a part without files and on what read_truth_file() refuses.
+  /// Finds the files of `pattern` and reads those of true points; an empty pattern finds no file.
+  /// Fails on a file without a frame, on two of one part of a frame, and on files of a frame of
+  /// several kinds. Also fails on an unknown extension, on a part without files, and where
+  /// read_truth_file() does.
   Result<void> open(const std::string& pattern, const std::vector<std::string>& stems);
 
   /// The truth of the frame of this stem, if it has files. Archives and clouds may hold much, so
@@ -36,10 +37,10 @@ class TruthFiles {
   enum class Form { points, csv_cloud, ply, npz };
   struct File {
     std::string path;
-    std::string kind;        ///< what follows the stem, without the part, or empty
+    std::string kind;        ///< text behind the stem, without the part, or empty
     std::int32_t part = -1;  ///< index in parts_, or -1
     Form form = Form::npz;
-    std::optional<GroundTruth> points = {};  ///< of a CSV file of true points
+    std::optional<GroundTruth> points = {};  ///< points of a CSV file of true points
   };
 
   Result<File> classify(const std::string& path, const std::string& rest) const;

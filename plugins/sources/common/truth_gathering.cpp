@@ -8,7 +8,7 @@
 namespace weft::sources {
 namespace {
 
-/// Whether a truth says more than where its points are.
+/// True if a ground truth has more than the places of its points.
 bool is_record(const GroundTruth& truth) {
   return truth.faces.present() || truth.visible.present() || truth.depth_m.present() ||
          truth.uv_m.present() || truth.match_xy_px.present() || truth.match_label.present() ||

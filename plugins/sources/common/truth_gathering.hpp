@@ -11,7 +11,7 @@
 
 namespace weft::sources {
 
-/// One truth of all that the files of a frame say.
+/// Merges the ground truth in the files of a frame.
 class TruthGathering {
  public:
   /// True points, with all else that a record of them has. Only one that has more than points may
@@ -19,7 +19,8 @@ class TruthGathering {
   Result<void> add_points(GroundTruth truth, std::int32_t part, const std::string& path);
   void add_cloud(const Cloud& cloud, std::int32_t part);
 
-  /// `parts` are the names that the indices of parts count; none where nothing is scored apart.
+  /// `parts` are the names to which the indices of parts refer; empty where no part is scored
+  /// separately.
   GroundTruth truth(const std::vector<std::string>& parts) &&;
 
  private:

@@ -15,7 +15,7 @@ using scene::Colour;
 
 constexpr std::uint64_t kArmStream = 4;
 constexpr int kAround = 28, kAlong = 90;
-constexpr double kBefore = 0.7;  // depth over that of the sheet
+constexpr double kBefore = 0.7;  // depth over that of the surface
 
 /// Skin, then a cuff and stripes; `s_m` from the tip.
 Colour colour_at(double s_m, double radius_m) {

@@ -8,11 +8,11 @@
 
 namespace weft::frex {
 
-/// An arm in a striped sleeve that reaches from below the image to before the sheet and swings
+/// An arm in a striped sleeve that reaches from below the image in front of the surface. It swings
 /// there, so that it hides another part in each frame.
 class Arm {
  public:
-  /// `distance_m` is that of the sheet.
+  /// `distance_m` is that of the surface.
   Arm(const Camera& camera, double distance_m, double period_s, std::uint64_t seed);
 
   scene::Solid at(double t_s) const;

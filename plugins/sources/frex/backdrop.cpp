@@ -91,7 +91,7 @@ void draw_box(cv::Mat& image, const Placement& on, double x0, double y0, double 
   cv::fillConvexPoly(image, corners.data(), 4, to_scalar(colour), cv::LINE_AA, Placement::kShift);
 }
 
-/// A sheet or a book cover with lines of words.
+/// A page or a book cover with lines of words.
 void draw_page(cv::Mat& image, const Placement& on, Rng& rng) {
   const double width = rng.uniform(50.0, 150.0), height = rng.uniform(50.0, 120.0);
   const Colour paper = muted_colour(rng);
@@ -137,7 +137,7 @@ void draw_coin(cv::Mat& image, const Placement& on, Rng& rng) {
   }
 }
 
-/// A copy of the print on the wall: centre, size of a texel and turn.
+/// A copy of the texture on a wall: centre, size of a texel and rotation.
 struct Poster {
   double x, y, pitch_px, cosine, sine;
 };

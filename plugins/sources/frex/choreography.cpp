@@ -17,9 +17,9 @@ constexpr double kRollTurn_rad = 2.6, kBendTurn_rad = 1.5, kWaveSlope_rad = 0.62
 constexpr double kFoldTurn_rad = 2.3, kFoldWidth_m = 0.06;
 constexpr double kFolds = 3.0, kFoldsSlope_rad = 0.8;
 constexpr double kFoldsApex = 1.5;   // from the middle, over the distance of the corner
-constexpr double kFoldsDrift = 0.2;  // of a fold, a period of the movement
+constexpr double kFoldsDrift = 0.2;  // drift of a fold in a period of the movement
 constexpr double kBulgeShare = 0.3;  // height of a bulge over half the shorter side
-constexpr double kPoisson = 0.3;     // what a stretched sheet loses across
+constexpr double kPoisson = 0.3;     // contraction of a stretched surface across
 constexpr double kGuideCompliance = 1e-4, kHandCompliance = 1e-5;
 
 /// The plane curve of unit speed with a given curvature, through the origin with the tangent (1,0).
@@ -69,7 +69,7 @@ Choreography::Choreography(const MotionSettings& settings, const RestSheet& shee
       in_hand_(sheet.in_hand),
       centred_m_(sheet.rest_m.leftCols<2>()),
       behind_m_(sheet.rest_m.col(2)) {
-  // Swollen, no sheet keeps its lengths.
+  // A swollen surface cannot keep its lengths.
   if (settings_.pattern != Pattern::bulge) section_ = CrossSection::of(sheet);
   if (section_) centred_m_ = sheet.flat_m();
   const Eigen::RowVector2d low = centred_m_.colwise().minCoeff();
@@ -113,7 +113,7 @@ double Choreography::share_at(double t_s) const {
   return 0.5 * settings_.bend * (1.0 - std::cos(phase_at(t_s)));
 }
 
-/// What only grows: from 0 to its full size in one period.
+/// The size of growing patterns: from 0 to their full size in one period.
 double Choreography::grown_at(double t_s) const {
   return settings_.bend * eased(std::min(1.0, t_s / settings_.period_s));
 }
@@ -131,7 +131,7 @@ Eigen::Isometry3d Choreography::pose_at(double t_s) const {
 }
 
 /// Strain along x is largest in the middle column and fades to the sides; the map of the plane onto
-/// itself keeps the sheet developable.
+/// itself keeps the surface developable.
 Points2 Choreography::stretched(double t_s) const {
   const double strain = settings_.stretch * 0.5 * (1.0 - std::cos(0.8 * phase_at(t_s)));
   Points2 plane = centred_m_;
@@ -165,7 +165,7 @@ double Choreography::curvature_per_m(double s_m, double t_s, const HandlePair::P
     return sign_ * ramp * kWaveSlope_rad * frequency *
            std::sin(frequency * s_m - 1.5 * phase_at(t_s));
   }
-  if (settings_.pattern == Pattern::folds) {  // of a sheet that can be bent about one direction
+  if (settings_.pattern == Pattern::folds) {  // for a surface that can be bent about one direction
     const double frequency = kFolds * 2.0 * M_PI / extent_m;
     return grown_at(t_s) * kFoldsSlope_rad * frequency *
            std::cos(frequency * s_m + folds_rad_ + kFoldsDrift * phase_at(t_s));

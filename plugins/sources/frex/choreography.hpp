@@ -17,35 +17,35 @@
 
 namespace weft::frex {
 
-/// How the sheet deforms.
+/// The deformation of the surface.
 enum class Pattern { roll, s_bend, corner_fold, wave, handles, bulge, folds };
 
 struct MotionSettings {
   Pattern pattern = Pattern::wave;
   double bend = 1.0;        ///< [] size of the deformation, 1 is usual
   double stretch = 0.0;     ///< [] largest elastic strain
-  double distance_m = 0.6;  ///< [] m, from the camera to the middle of the sheet
+  double distance_m = 0.6;  ///< [] m, from the camera to the middle of the surface
   double tilt_rad = 0.3;    ///< [] rad, largest turn about each axis
   double travel_m = 0.02;   ///< [] m, largest displacement to the side
   double period_s = 4.0;    ///< [] s, from flat to flat
   std::uint64_t seed = 1;   ///< chooses directions, signs and speeds
 };
 
-/// Where a sheet is led, and how long it is, at each time. At time 0 it is at rest and faces the
-/// camera. A sheet that is curved about one direction at rest is bent about that one; any other
-/// that is not flat is carried along by what a pattern says of the plane, as a point beside it.
-/// Functions of time alone.
+/// The target places of a surface and its lengths at each time. At time 0 it is at rest and faces
+/// the camera. A surface that is curved about one direction at rest is bent about that one. Any
+/// other that is not flat moves with the pattern of the plane, as a point beside it. Functions of
+/// time alone.
 class Choreography {
  public:
   Choreography(const MotionSettings& settings, const RestSheet& sheet);
 
-  /// The surface [V,3] m whose edge lengths are those of the sheet at time t: the sheet at rest,
+  /// The surface [V,3] m whose edge lengths are those of the object at time t: the rest shape,
   /// stretched or bulged.
   Points3 lengths_at(double t_s) const;
-  /// What leads the sheet, in the camera frame: each vertex is drawn softly to the surface that the
-  /// pattern describes, and two patches of `handles` more firmly.
+  /// The guides of the surface, in the camera frame. The surface that the pattern describes pulls
+  /// each vertex softly, and two patches of `handles` more firmly.
   std::vector<scene::ClothGuide> guides_at(double t_s) const;
-  /// The sheet at time 0 [V,3] m, camera frame.
+  /// The surface at time 0 [V,3] m, camera frame.
   Points3 start() const;
 
  private:
@@ -70,13 +70,13 @@ class Choreography {
   MotionSettings settings_;
   std::vector<bool> in_hand_;  ///< [V]
   std::optional<CrossSection> section_;
-  Points2 centred_m_;         ///< [V,2] sheet at rest, unrolled if it has a cross-section, measured
-                              ///< from its middle
-  Points3 rest_m_;            ///< [V,3] sheet at rest if it has a cross-section, else empty
-  Eigen::VectorXd behind_m_;  ///< [V] how far it is behind the plane; 0 for a flat sheet
-  Eigen::Vector2d half_m_;    ///< half its width and height
+  Points2 centred_m_;           ///< [V,2] surface at rest, unrolled if it has a cross-section,
+                                ///< measured from its middle
+  Points3 rest_m_;              ///< [V,3] surface at rest if it has a cross-section, else empty
+  Eigen::VectorXd behind_m_;    ///< [V] how far it is behind the plane; 0 for a flat surface
+  Eigen::Vector2d half_m_;      ///< half its width and height
   std::array<Sway, 6> sway_{};  ///< rotation about x, y, z and displacement along them
-  double ruling_rad_ = 0.0;     ///< direction across which the sheet is curved
+  double ruling_rad_ = 0.0;     ///< direction across which the surface is curved
   double sign_ = 1.0;           ///< which way it is curved
   Eigen::Vector2d apex_m_ = Eigen::Vector2d::Zero();  ///< from which folds run, from the middle
   double folds_rad_ = 0.0;                            ///< where they begin in their period

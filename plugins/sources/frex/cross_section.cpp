@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kStraight = 1e-4;   // mean squared sine between a normal and the plane of normals
 constexpr double kUnrolls = 0.01;    // strain of an edge; vertices in files are rounded
-constexpr double kSamePlace = 1e-6;  // of the extent across
+constexpr double kSamePlace = 1e-6;  // share of the extent across
 
 double integral(const std::function<double(double)>& f, double from, double to) {  // Simpson
   return (to - from) / 6.0 * (f(from) + 4.0 * f(0.5 * (from + to)) + f(to));

@@ -11,20 +11,21 @@
 
 namespace weft::frex {
 
-/// What a sheet that is curved about one direction at rest, as a part of a cylinder is, looks like
-/// across that direction. Bent about it and about no other, such a sheet keeps its lengths.
+/// The profile of a surface that is curved about one direction at rest, such as a part of a
+/// cylinder, across that direction. Such a surface keeps its lengths if it is bent only about that
+/// direction.
 class CrossSection {
  public:
   /// The rest shape has to be straight along one direction of its texture and to unroll to its
-  /// template points: nothing for flat sheets and for those that are curved both ways.
+  /// template points. Returns nothing for flat surfaces and for those that are curved both ways.
   static std::optional<CrossSection> of(const RestSheet& sheet);
 
-  /// Direction of the template across which the sheet is curved.
+  /// Direction of the template across which the surface is curved.
   double ruling_rad() const { return ruling_rad_; }
 
-  /// The points [V,2] m of the unrolled sheet, measured from its middle, on the sheet [V,3] m with
-  /// a curvature added at s m from the middle: the curve is the integral of R(a(s)) c'(s), c that
-  /// at rest and a the integral of the curvature.
+  /// The points [V,2] m of the unrolled surface, measured from its middle, on the surface [V,3] m.
+  /// A curvature is added at s m from the middle. The curve is the integral of R(a(s)) c'(s), with
+  /// c the curve at rest and a the integral of the curvature.
   Points3 rolled(const Points2& unrolled_m,
                  const std::function<double(double s_m)>& curvature_per_m) const;
 

@@ -41,14 +41,14 @@ constexpr std::array<Bar, 7> kHand{{{-0.25, 0.0, 0.25, 0.05, 0.62},    // palm
                                     {0.17, -0.5, 0.35, -1.95, 0.2},
                                     {0.5, -0.35, 0.9, -1.5, 0.17},
                                     {-0.6, 0.2, -1.5, -0.45, 0.23}}};  // thumb
-constexpr double kTurn_rad = -0.65;  // of the fingers, from up towards the left
+constexpr double kTurn_rad = -0.65;  // direction of the fingers, from up towards the left
 
 /// A hand in the image.
 class Hand {
  public:
   Hand(const Eigen::Vector2d& palm_px, double size_px) : palm_px_(palm_px), size_px_(size_px) {}
 
-  /// Distance of a pixel from the axis of the bar that is drawn there, over its radius.
+  /// Distance of a pixel from the axis of the bar there, over its radius.
   double distance(int x, int y) const {
     const double dx = (x - palm_px_.x()) / size_px_, dy = (y - palm_px_.y()) / size_px_;
     const double cosine = std::cos(kTurn_rad), sine = std::sin(kTurn_rad);

@@ -7,10 +7,10 @@
 
 namespace weft::frex {
 
-/// A plane with folds that run out of one point, as cloth has that hangs from it: a generalised
-/// cone. A point of the plane with the polar coordinates (r, p) about the apex lies at r c(p),
-/// where c is a curve on the unit sphere of unit speed; so all lengths of the plane are kept (do
-/// Carmo, Differential Geometry of Curves and Surfaces, 1976, section 5.8).
+/// A plane with folds that run out of one point, as in cloth that hangs from it: a generalised
+/// cone. A point of the plane with the polar coordinates (r, p) about the apex lies at r c(p). The
+/// curve c lies on the unit sphere and has unit speed. It keeps all lengths of the plane (do Carmo,
+/// Differential Geometry of Curves and Surfaces, 1976, section 5.8).
 class FoldedCone {
  public:
   /// Folds over the directions within `reach_rad` of `middle_rad`, seen from the apex [m]; the

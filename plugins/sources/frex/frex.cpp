@@ -27,13 +27,13 @@ namespace weft::frex {
 namespace {
 
 constexpr std::uint64_t kNoiseStream = 6;
-constexpr std::int64_t kCutAway = 25;  // frames of the film that a cut leaves out
+constexpr std::int64_t kCutAway = 25;  // frames of the film that a cut skips
 
 bool holds(const std::vector<std::int64_t>& frames, std::int64_t index) {
   return std::find(frames.begin(), frames.end(), index) != frames.end();
 }
 
-/// What is ready once the source is open.
+/// The objects that are ready once the source is open.
 struct Studio {
   scene::SheetRenderer renderer;
   Pinhole pinhole;
@@ -47,13 +47,13 @@ struct Studio {
   Array<std::int32_t> faces;
 };
 
-/// What is filmed.
+/// The filmed object.
 struct PrintedSheet {
   scene::MipTexture print;
   RestSheet sheet;
 };
 
-/// A simulated printed sheet, ray-cast, with everything known about each pixel and vertex.
+/// A simulated textured surface, ray-cast, with the ground truth of each pixel and vertex.
 class SheetSource : public Source {
  public:
   static constexpr About kAbout{
@@ -107,7 +107,7 @@ class SheetSource : public Source {
   }
 
  protected:
-  /// Reads the parameters that all sheets have.
+  /// Reads the parameters that all surfaces have.
   void read_settings(Params& p) { settings_.read(p); }
   virtual Result<PrintedSheet> make_sheet(const Call& call) const = 0;
 
@@ -159,7 +159,7 @@ class SheetSource : public Source {
                          [&](std::int64_t cut) { return cut <= index; });
   }
 
-  /// The sheet of a frame and of those beside it; before the first one it moves as after it.
+  /// The surface of a frame and of those beside it; before the first one it moves as after it.
   Result<Movement> movement_at(std::int64_t moment, const Call& call) {
     std::array<Points3, 3> places;
     for (std::int64_t k = 0; k < 3; ++k) {
@@ -242,7 +242,7 @@ class SheetSource : public Source {
   std::optional<Studio> studio_;
 };
 
-/// A rectangular sheet that its print fills.
+/// A rectangular surface that its texture fills.
 class Frex final : public SheetSource {
  public:
   explicit Frex(Params& p) {
@@ -269,7 +269,7 @@ class Frex final : public SheetSource {
   RectangleSettings rectangle_;
 };
 
-/// What a template describes: of any outline, flat or curved at rest.
+/// The object of a template: of any outline, flat or curved at rest.
 class FrexObject final : public SheetSource {
  public:
   explicit FrexObject(Params& p) {

@@ -7,10 +7,10 @@
 
 namespace weft::frex {
 
-/// Two hands at the left and the right border of a sheet. Each eases from one random key turn to
-/// the next; at the first the sheet is flat. They move only as a sheet allows that keeps its
-/// lengths: they turn about one direction, and come as near to each other as the bend between them
-/// asks, so that nothing tears or crumples.
+/// Two hands at the left and the right border of a surface. Each eases from one random key turn to
+/// the next; at the first the surface is flat. They move only as an inextensible surface allows, so
+/// that nothing tears or crumples. They turn about one direction, and approach each other as far as
+/// the bend between them requires.
 class HandlePair {
  public:
   struct Pose {

@@ -24,7 +24,7 @@ std::vector<bool> hands_on_grid(int columns, int rows) {
   return in_hand;
 }
 
-/// The same shares of any sheet.
+/// The same shares of any surface.
 std::vector<bool> hands_on(const Points3& rest_m) {
   const Eigen::RowVector3d low = rest_m.colwise().minCoeff(), high = rest_m.colwise().maxCoeff();
   std::vector<bool> in_hand;

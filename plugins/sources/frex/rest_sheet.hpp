@@ -12,9 +12,9 @@
 
 namespace weft::frex {
 
-/// What is filmed, before it moves.
+/// The object before it moves.
 struct RestSheet {
-  Points2 uv_px;               ///< [V,2] px of the print
+  Points2 uv_px;               ///< [V,2] px of the texture
   Eigen::RowVector2d pitch_m;  ///< [2] m, size of a texel
   Points3 rest_m;              ///< [V,3] m; x right, y down, z away from the camera
   Faces faces;                 ///< [F,3]
@@ -27,7 +27,7 @@ struct RestSheet {
   Result<scene::Cloth> cloth(const Points3& start_m) const;
 };
 
-/// A flat rectangle that its print fills, as a grid of vertices.
+/// A flat rectangle that its texture fills, as a grid of vertices.
 Result<RestSheet> rectangle(const scene::MipTexture& print, double width_m, double height_m,
                             int columns, int rows);
 

@@ -14,7 +14,7 @@ namespace weft::frex {
 
 enum class Background { plain, clutter, look_alike, image };
 
-/// The parameters of a rectangular sheet.
+/// The parameters of a rectangular surface.
 struct RectangleSettings {
   std::string texture_path;
   double width_m = 0.297;
@@ -26,7 +26,7 @@ struct RectangleSettings {
   void read(Params& p);
 };
 
-/// The parameters of a film, whatever the sheet.
+/// The parameters of a film, for any surface.
 struct Settings {
   std::int64_t frames = 60;
   double fps = 30.0;
@@ -48,7 +48,8 @@ struct Settings {
 
   /// Declares or reads all of them.
   void read(Params& p);
-  /// What a range cannot say: the first mistake, or all of them and those of the files.
+  /// Checks the rules that a range cannot express: returns the first error, or all of them and
+  /// those of the files.
   Result<void> check() const;
   void check(Mistakes& mistakes) const;
 

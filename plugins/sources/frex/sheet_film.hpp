@@ -9,21 +9,22 @@
 
 namespace weft::frex {
 
-/// One moment of the sheet.
+/// One moment of the surface.
 struct SheetState {
   Points3 vertices_m;            ///< [V,3] m, camera frame
   double residual_strain = 0.0;  ///< [] largest of an edge against the length that it should have
-  StrainStatistics true_strain;  ///< of the edges against the sheet at rest: elasticity and residue
+  StrainStatistics true_strain;  ///< strain of the edges against the surface at rest: elasticity
+                                 ///< and residue
 };
 
-/// The simulated sheet, frame after frame. Whichever frame is asked for first, the frames before it
-/// are simulated and kept, so that each is the same in any order of asking.
+/// The simulated surface, frame after frame. It simulates and keeps all frames before a requested
+/// one, so that each frame is the same for any order of requests.
 class SheetFilm {
  public:
   static Result<SheetFilm> create(const MotionSettings& settings, const RestSheet& sheet,
                                   double fps);
 
-  /// Frame `index` from 0, valid until the next call. Fails when the sheet cannot follow, or as
+  /// Frame `index` from 0, valid until the next call. Fails when the surface cannot follow, or as
   /// soon as the call is cancelled.
   Result<const SheetState*> at(std::int64_t index, const Call& call);
 

@@ -18,7 +18,8 @@ namespace {
 
 enum class Background { original, white, image };
 
-/// Turns recorded frames of a sheet of markers into frames of the same sheet with another print.
+/// Converts recorded frames of a sheet of paper with markers into frames of the same paper with
+/// another texture.
 class FrexVideo final : public Source {
  public:
   static constexpr About kAbout{.reference =
@@ -90,7 +91,7 @@ class FrexVideo final : public Source {
     maker_.emplace(*std::move(maker));
     finder_.emplace(*std::move(layout));
     const Eigen::Vector2d size_m = maker_->texture_size_m();
-    call.log_info(fmt::format("the texture is {:.6f} m wide and {:.6f} m high on the sheet",
+    call.log_info(fmt::format("the texture is {:.6f} m wide and {:.6f} m high on the page",
                               size_m.x(), size_m.y()));
     return camera;
   }
@@ -98,8 +99,8 @@ class FrexVideo final : public Source {
   std::int64_t count() const override { return count_.frames; }
   bool live() const override { return count_.live != 0; }
 
-  /// A frame in which the sheet is not found has no image and no truth: it is degenerate rather
-  /// than no_result, which would be the end of a video.
+  /// A frame in which the markers are not found has no image and no ground truth. It is degenerate
+  /// rather than no_result, which would end a video.
   Result<SourceFrame> read(std::int64_t, const Call& call) override {
     if (!maker_) return Error{Errc::invalid_value, "the source is not open: open it first"};
     const auto recorded = frames_.read(call);
@@ -160,7 +161,7 @@ class FrexVideo final : public Source {
     return {};
   }
 
-  /// The sheet over its background. What was recorded has noise of its own.
+  /// The rendered paper over its background. The recorded part has its noise already.
   Image compose(const cv::Mat4f& layer, const cv::Mat& recorded, Rng noise) const {
     const bool keep = background_ == Background::original;
     const cv::Mat3b behind = keep ? recorded : behind_;
@@ -204,6 +205,5 @@ class FrexVideo final : public Source {
 }  // namespace weft::frex_video
 
 using weft::frex_video::FrexVideo;
-WEFT_PLUGIN(
-    FrexVideo, "sources/frex_video", "1.0.0",
-    "Renders a texture onto a recorded sheet of ArUco markers, with 2D and 3D ground truth.")
+WEFT_PLUGIN(FrexVideo, "sources/frex_video", "1.0.0",
+            "Renders a texture onto a recorded page of ArUco markers, with 2D and 3D ground truth.")

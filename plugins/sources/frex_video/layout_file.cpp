@@ -106,7 +106,7 @@ class Reader {
   void check_place(const YAML::Node& node, const Points2& corners, const MarkerSheet& sheet) const {
     if (corners.minCoeff() < 0.0 || corners.col(0).maxCoeff() > sheet.width_mm ||
         corners.col(1).maxCoeff() > sheet.height_mm) {
-      fail(node, "a corner is outside the sheet");
+      fail(node, "a corner is outside the page");
     }
     for (int k = 0; k < 4; ++k) {
       const Eigen::RowVector2d a = corners.row((k + 1) % 4) - corners.row(k);

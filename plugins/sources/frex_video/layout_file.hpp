@@ -7,9 +7,9 @@
 
 namespace weft::frex_video {
 
-/// Reads the layout of a marker sheet, as weft::to_yaml() writes it. Fails, with file, line and
-/// column, on what is missing, unknown or given twice, on markers that do not lie clockwise on the
-/// sheet and on centres that are not those of the corners.
+/// Reads the layout of a marker sheet of paper, as weft::to_yaml() writes it. Fails, with file,
+/// line and column, on missing, unknown or repeated keys. Also fails on markers whose corners are
+/// not clockwise, and on centres that are not those of the corners.
 Result<MarkerSheet> read_layout_file(const std::string& path);
 
 }  // namespace weft::frex_video

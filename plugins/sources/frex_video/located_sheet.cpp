@@ -63,8 +63,8 @@ Result<LocatedSheet> locate_sheet(const MarkerFinder& finder, const cv::Mat& gre
   if (!warp) return warp.error();
   if (warp->leave_one_out_px > kMostLeaveOneOut_px) {
     return no_result(
-        "the markers do not lie on a smooth surface: is the sheet creased, or the "
-        "layout that of another sheet?");
+        "the markers do not lie on a smooth surface: check that the page is not creased, and that "
+        "the layout belongs to it");
   }
   Points3 rough_m(static_cast<Eigen::Index>(warp->markers.size()), 3);
   for (Eigen::Index i = 0; i < rough_m.rows(); ++i) {

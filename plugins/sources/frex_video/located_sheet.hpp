@@ -10,14 +10,14 @@ namespace weft::frex_video {
 
 inline constexpr double kMetre = 0.001;  ///< in a millimetre
 
-/// Where the sheet is in one frame.
+/// The place of the surface in one frame.
 struct LocatedSheet {
   SheetWarp warp;
   Points3 rough_centres_m;  ///< [M,3] m, camera frame, of the markers, each by itself; or NaN
   SheetSurface surface;
   cv::Mat1b known;  ///< [height_mm + 1, width_mm + 1] 1 within 10 mm of the markers' convex hull
 
-  /// Whether the surface is known at a point of the sheet, and not only continued.
+  /// True if the surface is measured at a point, and not only continued.
   bool is_known(const Eigen::Vector2d& point_mm) const;
 };
 

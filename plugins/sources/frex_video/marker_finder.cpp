@@ -17,7 +17,7 @@ double cross(const Eigen::RowVector2d& a, const Eigen::RowVector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// Clockwise and convex, as the front of the sheet is seen.
+/// Clockwise and convex, as the front of the marker is seen.
 bool is_front(const Points2& corners) {
   for (int k = 0; k < 4; ++k) {
     const Eigen::RowVector2d side = corners.row((k + 1) % 4) - corners.row(k);

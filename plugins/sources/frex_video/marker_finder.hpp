@@ -17,20 +17,21 @@ struct DetectorParameters;
 
 namespace weft::frex_video {
 
-/// A marker of the sheet in an image.
+/// A marker of the layout in an image.
 struct SeenMarker {
-  std::size_t marker = 0;     ///< [] index in the sheet
-  Points2 corners_px{};       ///< [4,2] px, in the order of the sheet's
+  std::size_t marker = 0;     ///< [] index in the layout
+  Points2 corners_px{};       ///< [4,2] px, in the order of the layout's
   Eigen::Vector2d centre_px;  ///< [2] px, where the diagonals meet: the image of the centre
 };
 
-/// Finds the markers of a sheet in images, with sub-pixel corners (Garrido-Jurado et al. 2014).
+/// Finds the markers of a sheet of paper in images, with sub-pixel corners (Garrido-Jurado et al.
+/// 2014).
 class MarkerFinder {
  public:
   explicit MarkerFinder(MarkerSheet sheet);
 
-  /// The markers in a grey image u8, by their index in the sheet. Ids that the image shows twice or
-  /// that the sheet does not have, and markers seen as in a mirror, are left out.
+  /// The markers in a grey image u8, by their index in the layout. Omits ids that the image shows
+  /// twice or that the layout does not have, and mirrored markers.
   std::vector<SeenMarker> find(const cv::Mat& grey) const;
 
   const MarkerSheet& sheet() const { return sheet_; }

@@ -17,7 +17,7 @@
 namespace weft::frex_video {
 namespace {
 
-constexpr double kCell_mm = 2.5;  // of the mesh that is drawn
+constexpr double kCell_mm = 2.5;  // cells of the rendered mesh
 constexpr double kHidden_m = 0.003;
 constexpr scene::Paper kWhitePaper{255.0F, 255.0F};
 

@@ -22,14 +22,14 @@ struct SceneOptions {
   double blur_px = 0.5;  ///< px, sigma
 };
 
-/// The sheet with its new print, and what is true of it.
+/// The surface with its new texture, and its ground truth.
 struct Scene {
   cv::Mat4f layer;  ///< [H,W] BGR grey levels times coverage, and the coverage, 0 to 1
   GroundTruth truth;
 };
 
-/// Puts a texture on a sheet that was located. The texture is as large as fits on the sheet, in the
-/// middle; its texels are square. Around it the paper is white, and so is its back.
+/// Puts a texture on a sheet of paper that was located. The texture is as large as fits on the
+/// paper, in the middle; its texels are square. Around it the paper is white, and so is its back.
 class SceneMaker {
  public:
   /// Fails where Embree cannot be started.
@@ -41,7 +41,7 @@ class SceneMaker {
   Eigen::Vector2d texture_size_m() const;
 
  private:
-  /// Where the texture lies on the sheet.
+  /// The place of the texture on the paper.
   struct Place {
     double mm_per_px = 1.0;
     Eigen::Vector2d corner_mm = Eigen::Vector2d::Zero();
@@ -66,7 +66,7 @@ class SceneMaker {
   Pinhole camera_;
   SceneOptions options_;
   Place place_;
-  Points2 mesh_mm_;  ///< [V,2] mm, vertices that are drawn, on the sheet
+  Points2 mesh_mm_;  ///< [V,2] mm, rendered vertices, on the paper
   scene::SheetRenderer renderer_;
 };
 

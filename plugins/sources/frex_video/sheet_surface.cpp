@@ -93,7 +93,7 @@ SplineDomain domain_of(const Eigen::Vector2d& size_m) {
   return {0.0, size_m.x(), 0.0, size_m.y(), count(size_m.x()), count(size_m.y())};
 }
 
-/// Places all over the sheet, two in each direction between two knots.
+/// Places all over the paper, two in each direction between two knots.
 std::vector<Eigen::Vector2d> quadrature(const SplineDomain& domain) {
   std::vector<Eigen::Vector2d> places;
   const int columns = 2 * (domain.nu - 3), rows = 2 * (domain.nv - 3);
@@ -284,8 +284,8 @@ Result<SheetSurface> SheetSurface::fit(const Eigen::Vector2d& size_m,
   surface.rms_strain_ = objective.rms_strain(surface.control_m_);
   if (!(surface.rms_px_ <= kWorstFit_px)) {
     return no_result(
-        "no sheet that bends without stretching shows its markers there: check the "
-        "calibration and the layout");
+        "no page that bends without stretching shows its markers there: check the calibration and "
+        "the layout");
   }
   return surface;
 }

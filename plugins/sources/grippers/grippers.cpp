@@ -18,8 +18,8 @@ namespace {
 /// Purposes of random streams.
 constexpr std::uint64_t kOffset = 1, kNoise = 2;
 
-/// Where the grippers hold the sheet, as shares of its width and height, in the order in which they
-/// are used: two face each other, four are all sides, eight have the corners too.
+/// The places of the grippers, as shares of the surface's width and height, in the order of their
+/// use. Two face each other, four are all sides, and eight have the corners too.
 constexpr std::array<std::array<double, 2>, 8> kPlaces{{{0.0, 0.5},
                                                         {1.0, 0.5},
                                                         {0.5, 0.0},

@@ -10,14 +10,14 @@
 namespace weft::images {
 namespace {
 
-/// What the files that can be read say of their camera.
+/// The facts about the camera in the files that can be read.
 std::vector<cameras::PhotoFacts> photo_facts(const std::vector<std::string>& paths) {
   std::vector<cameras::PhotoFacts> photos;
   for (const std::string& path : paths) {
     const auto file = read_image_bytes(path);
     if (!file) continue;
     cameras::PhotoFacts facts = cameras::facts_of(path, file->header);
-    // Of a format whose header is not read here.
+    // For a format whose header is not read here.
     if (facts.size_px.empty()) facts.size_px = image_files::decode_upright(*file).pixels.size();
     if (!facts.size_px.empty()) photos.push_back(std::move(facts));
   }
@@ -26,7 +26,7 @@ std::vector<cameras::PhotoFacts> photo_facts(const std::vector<std::string>& pat
 
 /// An upright image in the middle of a canvas.
 struct Photograph {
-  image_files::Decoded image;  ///< of the canvas
+  image_files::Decoded image;  ///< image of the canvas
   cv::Mat inside;              ///< [H,W] u8, 255 in the image, 0 beyond; empty: it fills the canvas
 };
 

@@ -40,7 +40,7 @@ class CameraImages {
   struct Frame {
     Image image;
     std::optional<Region> region;  ///< where the photograph is, if it does not fill the canvas
-    std::string damage;            ///< what the decoder of a JPEG found wrong
+    std::string damage;            ///< the damage that the decoder of a JPEG found
   };
   Result<Frame> read(const std::string& path, const std::string& stem) const;
 

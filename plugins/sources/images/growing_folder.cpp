@@ -56,8 +56,7 @@ Result<GrowingFolder> GrowingFolder::open(const std::string& pattern, double wai
   if (is_folder(folder)) return GrowingFolder(folder, name, wait_s);
   if (has_wildcard(folder)) {
     return refuse(Errc::invalid_value,
-                  "* ? and [ ] stand in the file name alone where 'wait_s' is given: one folder "
-                  "grows");
+                  "with 'wait_s', * ? and [ ] may occur in the file name only: one folder grows");
   }
   return refuse(Errc::not_found,
                 "the folder " + folder + " does not exist: make it before the run, or correct it");
@@ -94,8 +93,8 @@ Result<void> GrowingFolder::list(const Call& call) {
       continue;
     }
     call.log_warning(path_of(name) + ": sorts before " + last_ +
-                     ", which was read already: it is left out; give files names in the order in "
-                     "which they come");
+                     ", which was read already: it is skipped; give files names in the order in "
+                     "which they arrive");
     settled_.insert(std::move(name));
     ++late_;
   }
@@ -104,7 +103,7 @@ Result<void> GrowingFolder::list(const Call& call) {
   return Error{Errc::io, folder_ + ": the folder can no longer be listed: " + code.message()};
 }
 
-/// Whether the first one waiting can be given.
+/// True if the first waiting file can be returned.
 bool GrowingFolder::has_complete() {
   constexpr double kStill_s = 1.0;
   if (waiting_.empty()) return false;

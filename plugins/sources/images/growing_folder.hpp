@@ -13,17 +13,17 @@
 
 namespace weft::images {
 
-/// A folder that another program fills: its files one after the other, in the natural order
-/// of their names, each when it is complete. What sorts before the last file that was given comes
-/// too late: it is left out, with a warning.
+/// A folder that another program fills: its files one after the other, in the natural order of
+/// their names, each when it is complete. A file that sorts before the last returned file comes too
+/// late: it is omitted, with a warning.
 class GrowingFolder {
  public:
   /// `pattern` has * ? or [ ] in its file name alone. The folder must be there, files need not.
   static Result<GrowingFolder> open(const std::string& pattern, double wait_s);
 
-  /// The path of the next file, waited for. Errc::end when none came for `wait_s`; an error
-  /// where none came at all, or only such as came too late, or where the folder is gone. Asks the
-  /// call again and again whether to go on.
+  /// Waits for the next file and returns its path. Returns Errc::end when none came for `wait_s`.
+  /// Fails where none came at all, or only files that came too late, or where the folder is gone.
+  /// Checks again and again whether the call is cancelled.
   Result<std::string> next(const Call& call);
 
  private:

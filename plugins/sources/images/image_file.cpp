@@ -8,7 +8,7 @@
 namespace weft::images {
 namespace {
 
-constexpr std::uint64_t kMostBytes = 1U << 26U;  ///< of files, before the rest is believed
+constexpr std::uint64_t kMostBytes = 1U << 26U;  ///< size of files, before the rest is trusted
 
 Error more_than_8_bits(const std::string& path) {
   return {Errc::unsupported,

@@ -21,7 +21,7 @@ namespace {
 struct Frame {
   std::string path;
   std::string stem;
-  std::string exclusion;  ///< why it is reported apart, if it is
+  std::string exclusion;  ///< why it is reported separately, if it is
 };
 
 /// Image files of one camera, in the natural order of their paths: those that are there,
@@ -208,8 +208,9 @@ class Images final : public Source {
     return stems;
   }
 
-  /// What belongs to frames by their stems is found before the first one is read, and what belongs
-  /// to their pixels is as large as all of them.
+  /// An error where a parameter needs all frames at the start or images of one size. Files that
+  /// belong to frames by their stems are found before the first frame is read. Files that belong to
+  /// pixels have the size of all frames.
   Result<void> check_fixed(const std::string& parameter, bool is_given) const {
     if (!is_given) return {};
     if (live()) {
@@ -238,9 +239,8 @@ class Images final : public Source {
     if (auto whole = check_fixed("truth", !truth_path_.empty()); !whole) return whole;
     if (images_.camera().is_rotated() && !truth_path_.empty()) {
       return Error{Errc::unsupported,
-                   "'truth' is that of the camera as its file describes it, but the images are "
-                   "turned to be upright, and the camera with them: save the images without "
-                   "orientation, or leave 'truth' out"};
+                   "'truth' fits the camera file, but the images and the camera are turned "
+                   "upright: save the images without orientation, or omit 'truth'"};
     }
     return truth_.open(truth_path_, stems());
   }

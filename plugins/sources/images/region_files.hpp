@@ -12,7 +12,7 @@
 
 namespace weft::images {
 
-/// Masks that say where in the frames the object may be seen: one channel, 0 where it is not.
+/// Masks of the places in the frames where the object may be visible: one channel, 0 elsewhere.
 class RegionFiles {
  public:
   void declare(Params& p);

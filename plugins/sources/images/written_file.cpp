@@ -21,7 +21,7 @@ bool WrittenFile::is_complete(bool has_later, double still_s) {
   return looks_ >= kFewestLooks && std::chrono::duration<double>(now - since_).count() >= still_s;
 }
 
-/// What is no regular file, or not there, has a state as well, which does not change.
+/// A path that is missing or is no regular file has a state as well, which does not change.
 WrittenFile::State WrittenFile::look() const {
   std::error_code ignored;
   const std::uintmax_t bytes = std::filesystem::file_size(path_, ignored);

@@ -11,7 +11,7 @@ namespace weft::images {
 
 /// An image file into which another program may still be writing. It is complete when
 ///
-/// - it says so itself: the end of a PNG, with right checksums, or of a JPEG is there; or
+/// - its content proves it: the end of a PNG, with correct checksums, or of a JPEG is there; or
 /// - it begins as a BMP, TIFF, WebP or PNM, and its writer has gone on to a later file; or
 /// - its size and time have stood still for a while: then no more will come, damaged or not.
 class WrittenFile {
@@ -20,8 +20,9 @@ class WrittenFile {
 
   const std::string& path() const { return path_; }
 
-  /// Looks at it once more; to be asked again and again, every few ms. It stands still when
-  /// nothing has changed for `still_s`, and in many looks: a machine that slept saw nothing.
+  /// Checks the file once more; call it repeatedly, every few ms. It counts as complete when
+  /// nothing has changed for `still_s` and in many checks, because a machine that slept checked
+  /// nothing.
   bool is_complete(bool has_later, double still_s);
 
  private:
@@ -40,7 +41,7 @@ class WrittenFile {
   std::optional<State> state_;
   std::chrono::steady_clock::time_point since_;  ///< when `state_` was first seen
   int looks_ = 0;                                ///< that saw `state_`
-  End end_ = End::missing;                       ///< of the file in `state_`
+  End end_ = End::missing;                       ///< end of the file in `state_`
 };
 
 }  // namespace weft::images

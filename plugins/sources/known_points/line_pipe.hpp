@@ -18,7 +18,7 @@ class LinePipe {
   static Result<LinePipe> open(const std::string& path);
 
   /// The next line without its end, waiting until `deadline` at most; `end` when the last writer
-  /// has closed it and all lines have been given. `cancelled` is asked every 5 ms. Fails when
+  /// has closed it and all lines have been returned. Calls `cancelled` every 5 ms. Fails when
   /// reading fails, or a line is longer than 64 KiB; nothing more comes then.
   Result<Got> next(std::string& line, std::chrono::steady_clock::time_point deadline,
                    const std::function<bool()>& cancelled);

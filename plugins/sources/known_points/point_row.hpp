@@ -21,7 +21,7 @@ struct PointRow {
   double radius_m = -1.0;                                   ///< [] m, below 0 is the solver's own
 };
 
-/// What a row may hold, in CSV files and in JSON lines alike.
+/// The fields of a row, in CSV files and in JSON lines alike.
 enum class Field {
   time_s,
   frame,
@@ -39,7 +39,7 @@ constexpr std::size_t kFields = 10;
 /// The numbers of a row by field.
 using Numbers = std::array<std::optional<double>, kFields>;
 
-/// What is wrong, and with which field; none where one is missing.
+/// The error, and its field; none where one is missing.
 struct RowMistake {
   std::string message;
   std::optional<Field> field = {};
@@ -51,11 +51,12 @@ const char* name_of(Field field);
 /// The field of this name, or nothing.
 std::optional<Field> field_named(const std::string& name);
 
-/// What to say of a name that is no field.
+/// The message for a name that is no field.
 std::string unknown_field(const std::string& name);
 
-/// Whether these fields make a row: exactly one of time_s and frame; either vertex or both
-/// template_x_mm and template_y_mm; X_mm, Y_mm and Z_mm; at most one of radius_mm and sigma_mm.
+/// Checks that these fields make a row. It needs exactly one of time_s and frame; either vertex or
+/// both template_x_mm and template_y_mm; X_mm, Y_mm and Z_mm; at most one of radius_mm and
+/// sigma_mm.
 std::optional<RowMistake> check_fields(const std::vector<Field>& fields);
 
 /// A row of these numbers, whose fields have been checked. A normal error of `sigma_mm` along each

@@ -15,21 +15,21 @@ namespace weft::known_points {
 /// The rows of each point of the surface in the order of time.
 class PointTracks {
  public:
-  /// A row further from a frame in time is of no use to it.
+  /// A frame ignores rows further than `tolerance_s` in time.
   explicit PointTracks(double tolerance_s) : tolerance_s_(tolerance_s) {}
 
   /// Fails where rows go back, a point is given twice at a moment, and times are mixed with frames.
   Result<void> add(const PointRow& row);
 
   bool empty() const { return tracks_.empty(); }
-  /// Whether rows name frames instead of times; meaningless while there are none.
+  /// True if rows have frame numbers instead of times; meaningless while there are none.
   bool by_frame() const { return by_frame_; }
   /// The last row's; meaningless while there are none.
   double newest() const { return newest_; }
 
-  /// Where the points are at a moment, in the order of their first rows: rows of the same frame; by
-  /// time interpolated between the rows before and after if both are within the tolerance, else the
-  /// one that is. Nothing if no point has such a row.
+  /// The points at a moment, in the order of their first rows. With frame numbers, the rows of that
+  /// frame. With times, the interpolation of the rows before and after if both are within the
+  /// tolerance, else the one that is. Nothing if no point has such a row.
   std::optional<KnownPoints> at(double moment) const;
 
   /// Drops rows that no moment from this one on needs.

@@ -116,7 +116,7 @@ Result<std::string> RowFeed::receive(const Moment& moment, const std::function<b
     if (*got == LinePipe::Got::end && has_reached(moment)) return std::string();
     const std::string last = tracks_.empty()
                                  ? "no row has come"
-                                 : "the last row is of " + std::to_string(tracks_.newest()) +
+                                 : "the last row has time " + std::to_string(tracks_.newest()) +
                                        ", the frame of " + std::to_string(wanted(moment));
     if (*got == LinePipe::Got::end) return "the pipe has ended: " + last;
     if (*got == LinePipe::Got::nothing) {

@@ -20,7 +20,7 @@ struct FeedOptions {
   Eigen::Isometry3d camera_from_rows = Eigen::Isometry3d::Identity();
 };
 
-/// Whether there is a named pipe of this name.
+/// True if a named pipe of this name exists.
 bool is_pipe(const std::string& path);
 
 /// When a frame is.
@@ -32,11 +32,12 @@ struct Moment {
 /// Rows of a file, which is read at once, or of a named pipe, which is read as frames need it.
 class RowFeed {
  public:
-  /// Fails on a file that cannot be read or has a mistake, with its place.
+  /// Fails on a file that cannot be read or has an error, with its place.
   static Result<RowFeed> open(FeedOptions options);
 
-  /// The points at a moment. Of a pipe rows are read up to the first one later than it; where they
-  /// do not come, the answer is flagged. A row with a mistake is an error once, and left out.
+  /// The points at a moment. From a pipe it reads rows up to the first one later than the moment;
+  /// where they do not come, the result is flagged. A row with an error is reported as an error
+  /// once, and omitted.
   Result<std::optional<KnownPoints>> at(const Moment& moment,
                                         const std::function<bool()>& cancelled);
 

@@ -14,7 +14,7 @@ namespace weft::known_points {
 Error mistake_at(const std::string& path, int line, int column, const std::string& message);
 
 /// The rows of a CSV file whose first line names its fields, in any order. A radius_mm or sigma_mm
-/// may be left empty. Fails at the first mistake, with its place.
+/// may be left empty. Fails at the first error, with its place.
 class CsvReader {
  public:
   explicit CsvReader(std::string path) : path_(std::move(path)) {}

@@ -18,8 +18,8 @@ namespace {
 /// Purposes of random streams: trials of one seed have the same shapes whatever their matches are.
 constexpr std::uint64_t kShapes = 1, kMatches = 2;
 
-/// Matches without images: a trial is a random deformation of a sheet and correspondences with it,
-/// of which a given part is wrong (Shetab-Bushehri et al. 2023, Section V).
+/// Matches without images. A trial is a random deformation of a surface and correspondences with
+/// it, with a given share of outliers (Shetab-Bushehri et al. 2023, Section V).
 class MatchTrials final : public Source {
  public:
   static constexpr About kAbout{
@@ -107,8 +107,8 @@ class MatchTrials final : public Source {
     p.read("bend_stiffness", d.bend_stiffness, "", {0.0, 1.0},
            "stiffness of distances across edges; that of the edges is 1");
     p.read("max_strain", d.max_strain, "", {0.0, 1.0},
-           "maximum strain of an edge; a shape that exceeds it is drawn again");
-    p.read("max_draws", d.max_draws, "", {1, 1e9}, "maximum number of shapes drawn per trial");
+           "maximum strain of an edge; a shape that exceeds it is sampled again");
+    p.read("max_draws", d.max_draws, "", {1, 1e9}, "maximum number of shapes sampled per trial");
   }
 
   Rng stream(std::uint64_t purpose, std::int64_t trial) const {

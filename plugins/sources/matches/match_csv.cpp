@@ -99,7 +99,7 @@ class CsvReader {
     return {};
   }
 
-  /// What is not known is an empty cell: NaN would be a slip elsewhere.
+  /// Unknown values are empty cells: NaN would be an error elsewhere.
   static std::optional<double> number_in(Column column, std::string_view cell) {
     if (cell.empty() && column == Column::label) return -1.0;
     if (cell.empty() && (column == Column::true_x_px || column == Column::true_y_px)) {

@@ -27,8 +27,8 @@ constexpr std::array<Places, 4> kPlaces{
 
 bool is_array(std::string_view name) { return name.ends_with(".npy"); }
 
-/// The array of a member that is about matches; of Weft's records what a file of matches may hold
-/// is taken and the rest left, of others everything must be known.
+/// The array of a member with data of matches. Arrays of Weft's records that a file of matches may
+/// not have are ignored; in other files, every array must be known.
 struct Named {
   std::string name;
   bool of_record = false;

@@ -14,7 +14,7 @@
 
 namespace weft::matches {
 
-/// What a file may say of a match.
+/// The columns that a file may have for a match.
 enum class Column : std::size_t {
   frame,
   template_x_px,
@@ -41,7 +41,7 @@ std::optional<Column> column_named(std::string_view name);
 /// "the column 'u' is unknown; did you mean ...?"
 std::string unknown_column(const std::string& name);
 
-/// What is wrong with a value, to stand behind "'label' "; nothing for a legal one. Unknown true
+/// The error in a value, as the text behind "'label' "; nothing for a valid one. Unknown true
 /// images are NaN.
 std::optional<std::string> mistake_in(Column column, double value);
 
@@ -54,7 +54,7 @@ class MatchTable {
   bool has(Column column) const { return declared_[to_index(column)]; }
   std::size_t rows() const { return (*this)[Column::image_x_px].size(); }
 
-  /// The mistake where a column is missing or two contradict each other.
+  /// The error where a column is missing or two contradict each other.
   std::optional<std::string> mistake() const;
 
   /// The rows of each frame up to the last that is named; all are frame 0 where none is named.
@@ -64,7 +64,7 @@ class MatchTable {
   Correspondences matches(const std::vector<std::size_t>& rows) const;
 
   bool has_truth() const { return has(Column::label) || has(Column::true_x_px); }
-  /// Adds what these rows know of their own truth.
+  /// Adds the ground truth in these rows.
   void add_truth(const std::vector<std::size_t>& rows, GroundTruth& truth) const;
 
  private:

@@ -17,15 +17,15 @@
 namespace weft::matches {
 namespace {
 
-/// Matches that somebody else found, from files.
+/// Matches from files, found by another program.
 class Matches final : public Source {
  public:
   static constexpr About kAbout{.produces = "time correspondences ground_truth"};
 
   explicit Matches(Params& p) {
     p.input_path("path", path_,
-                 "match files, CSV or npz: one per frame, or one with the column frame; * ? and [ "
-                 "] are wildcards",
+                 "files of matches, CSV or npz: one per frame, or one with the column frame; * ? "
+                 "and [ ] are wildcards",
                  Need::required);
     p.input_path("camera", camera_path_,
                  "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info",
@@ -76,7 +76,7 @@ class Matches final : public Source {
     return path.ends_with(".npz") ? read_match_npz(path) : read_match_csv(path);
   }
 
-  /// Of a large set what is behind this many bytes is read with its frames alone.
+  /// In a large set, files behind this many bytes are read only with their frames.
   static constexpr std::uintmax_t kMostBytesTried = 1U << 26U;
 
   Result<void> list_frames() {
@@ -146,8 +146,8 @@ class Matches final : public Source {
   double fps_ = 30.0;
   cameras::CameraFile camera_;
   std::vector<std::string> files_;
-  std::optional<MatchTable> whole_;             ///< of the one file that holds all frames
-  std::vector<std::vector<std::size_t>> rows_;  ///< of each of its frames
+  std::optional<MatchTable> whole_;             ///< table of the one file with all frames
+  std::vector<std::vector<std::size_t>> rows_;  ///< rows of each of its frames
   sources::TruthFiles truth_;
 };
 

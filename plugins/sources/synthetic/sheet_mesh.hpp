@@ -12,16 +12,16 @@ namespace weft::synthetic {
 /// Texel pitch in m along u and v: the texel with centre (u,v) px lies at (x,y) = pitch * (u,v).
 using Pitch = std::array<double, 2>;
 
-/// The fine grid of triangles by which a sheet is drawn that its print fills from edge to edge.
+/// The fine grid of triangles for rendering a surface that its texture fills from edge to edge.
 class SheetMesh {
  public:
-  /// Size of the print in px.
+  /// Size of the texture in px.
   SheetMesh(int print_width, int print_height, Pitch pitch_m);
 
-  const Points2& uv_px() const { return uv_px_; }  ///< [V,2] px of the print
+  const Points2& uv_px() const { return uv_px_; }  ///< [V,2] px of the texture
   const Faces& faces() const { return faces_; }    ///< [F,3]
 
-  /// Where a bent sheet has the vertices [V,3] m, camera frame.
+  /// The vertices [V,3] m of a bent surface, camera frame.
   Points3 vertices_m(const DevelopableSheet& sheet) const;
 
  private:

@@ -25,7 +25,7 @@ Result<cv::Mat> read_texture(const std::string& path) {
   return image_files::read_pixels("texture", path, image_files::Channels::grey);
 }
 
-/// What read_texture() would refuse; a PNG is not decoded for that.
+/// Fails where read_texture() would fail, but does not decode a PNG.
 Result<void> check_texture(const std::string& path) {
   const auto file = read_image_bytes(path);
   if (!file) return image_files::at_parameter(file.error(), "texture");
@@ -34,7 +34,7 @@ Result<void> check_texture(const std::string& path) {
   return texture ? Result<void>() : texture.error();
 }
 
-/// Renders a printed sheet that moves and bends without stretching, with exact truth.
+/// Renders a textured surface that moves and bends without stretching, with exact ground truth.
 class Synthetic final : public Source {
  public:
   static constexpr About kAbout{.produces = "image time ground_truth", .random = true};
@@ -136,7 +136,7 @@ class Synthetic final : public Source {
     return std::set<std::int64_t>(values.begin(), values.end());
   }
 
-  /// Time in the movement of the sheet, which each cut puts forward.
+  /// Time in the movement of the surface, which each cut advances.
   double clock_s(std::int64_t index) const {
     const auto cuts = std::distance(cuts_.begin(), cuts_.upper_bound(index));
     return static_cast<double>(index) / fps_ +
@@ -203,4 +203,4 @@ class Synthetic final : public Source {
 using weft::synthetic::Synthetic;
 WEFT_PLUGIN(
     Synthetic, "sources/synthetic", "1.0.0",
-    "Renders a printed sheet that moves and bends without stretching, with exact ground truth.")
+    "Renders a printed surface that moves and bends without stretching, with exact ground truth.")

@@ -36,7 +36,7 @@ class Cover {
     }
   }
 
-  /// Whether it lies over the template point, [2] m. Nothing else is: NaN is not.
+  /// True if it covers the template point, [2] m. It covers no other place: NaN is not covered.
   bool over(const Eigen::Vector2d& xy_m) const { return normal_.dot(xy_m) < threshold_m_; }
 
   /// The true points below it are not visible, and the pixels that show them are grey. Which they

@@ -19,7 +19,7 @@ namespace {
 /// Purposes of random streams.
 constexpr std::uint64_t kCover = 1, kMatches = 2;
 
-/// A match as it is drawn: where it is on the template and in the image, without and with noise.
+/// A sampled match: its place on the template and in the image, without and with noise.
 struct Drawn {
   Eigen::Vector2d xy_m;      ///< [2] m, template
   Eigen::Vector2d true_px;   ///< [2] px
@@ -47,12 +47,12 @@ Correspondences matches_of(const std::vector<Drawn>& drawn) {
   return matches;
 }
 
-/// Draws matches on the true surface of another source, as many, as noisy and as incomplete as is
-/// asked for, and may state a camera that is not the one that took the frames.
+/// Samples matches on the true surface of another source, with the number, noise and gaps of its
+/// parameters. It may also report another camera than that of the frames.
 class TrueMatches final : public Source {
  public:
   static constexpr About kAbout{
-      .reference = "own: Shetab-Bushehri et al. 2023, ROBUSfT, Section VI (correct matches)",
+      .reference = "own: Shetab-Bushehri et al. 2023, ROBUSfT, Section VI (inliers)",
       .produces = "image time correspondences ground_truth",
       .uses_truth = true};
 
@@ -129,11 +129,11 @@ class TrueMatches final : public Source {
     return {};
   }
 
-  /// Points even over the box of the template; those beside the surface, hidden, covered or outside
-  /// the image are drawn again. The first n are the same whatever number is asked for.
+  /// Points uniform over the box of the template; those beside the surface, hidden, covered or
+  /// outside the image are sampled again. The first n are the same whatever the number of matches.
   std::vector<Drawn> draw_matches(const GroundTruth& truth, const TruthMap& map, const Cover& cover,
                                   Rng& rng) const {
-    constexpr std::int64_t kDrawsPerMatch = 200;  // a share of 1/200 in sight is still found
+    constexpr std::int64_t kDrawsPerMatch = 200;  // a visible share of 1/200 is still found
     const auto flat_m = truth.template_xy_m.matrix<2>();
     const Eigen::Vector2d low = flat_m.colwise().minCoeff(), high = flat_m.colwise().maxCoeff();
     const Pinhole pinhole{camera_.fx, camera_.fy, camera_.cx, camera_.cy};

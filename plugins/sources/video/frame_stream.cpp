@@ -38,7 +38,7 @@ class Pipe {
   int number_;
 };
 
-/// Until somebody has written into a pipe; false where patience ends before.
+/// Waits until a program has written into a pipe; false where the patience ends before.
 bool comes_to_life(int pipe, double patience_s, const std::function<bool()>& cancelled) {
   constexpr int kLook_ms = 20;
   for (const double end_s = steady_s() + patience_s; !cancelled();) {
@@ -46,7 +46,7 @@ bool comes_to_life(int pipe, double patience_s, const std::function<bool()>& can
     const int ready = poll(&look, 1, kLook_ms);
     if (ready > 0 && (look.revents & POLLIN) != 0) return true;
     if (steady_s() >= end_s) return false;
-    if (ready > 0) usleep(1000 * kLook_ms);  // its writer has gone, which poll() tells at once
+    if (ready > 0) usleep(1000 * kLook_ms);  // its writer has gone, which poll() reports at once
   }
   return false;
 }
@@ -89,7 +89,7 @@ Result<FrameStream> FrameStream::open_device(int number, const CameraSettings& s
     return refused("fps");
   }
   if (settings.exposure_ms > 0.0) {
-    constexpr double kManual = 1.0, kUnits_per_ms = 10.0;  // of V4L2
+    constexpr double kManual = 1.0, kUnits_per_ms = 10.0;  // values of V4L2
     const bool taken =
         stream.capture_.set(cv::CAP_PROP_AUTO_EXPOSURE, kManual) &&
         stream.capture_.set(cv::CAP_PROP_EXPOSURE, kUnits_per_ms * settings.exposure_ms);
@@ -119,7 +119,7 @@ Result<FrameStream> FrameStream::open_address(const std::string& address, double
     const auto pipe = std::make_shared<Pipe>(address);
     if (pipe->number() < 0) return Error{Errc::io, address + ": the pipe cannot be read"};
     if (!comes_to_life(pipe->number(), patience_s, cancelled)) {
-      return Error{Errc::io, address + ": nobody has written into the pipe"};
+      return Error{Errc::io, address + ": no data was written into the pipe"};
     }
     pipe->wait_in_reads();
     source = "pipe:" + std::to_string(pipe->number());

@@ -14,7 +14,7 @@
 
 namespace weft::video {
 
-/// What a camera is asked for.
+/// The settings that are requested from a camera.
 struct CameraSettings {
   cv::Size size_px;
   double fps = 0.0;          ///< [1/s] 0 for its own
@@ -30,29 +30,30 @@ class FrameStream {
   static Result<FrameStream> open_file(const std::string& path);
   /// The camera /dev/videoN. Fails when it is missing, busy or does not take a setting.
   static Result<FrameStream> open_device(int number, const CameraSettings& settings);
-  /// What a camera sends: an address such as rtsp://..., a pipe of the file system, or a pipeline
-  /// of GStreamer that ends in `appsink`. Waits in vain for so many seconds.
+  /// A live source: an address such as rtsp://..., a pipe of the file system, or a pipeline of
+  /// GStreamer that ends in `appsink`. Waits at most `patience_s` for it.
   static Result<FrameStream> open_address(const std::string& address, double patience_s,
                                           const std::function<bool()>& cancelled);
 
   /// Goes to the next frame, at first to frame 0; false when there is none.
   bool advance();
-  /// After advance() was false: an error unless a file ended where its header says.
+  /// After advance() returned false: an error unless a file ended where its header ends.
   Result<void> ending() const;
 
   /// Lets go of the file or camera; what is known of its last frame stays.
   void close();
-  /// Counts on from another stream, whose last frame was so many seconds before this one's first.
+  /// Continues the count of another stream, whose last frame was `gap_s` before the first one of
+  /// this stream.
   void continue_from(const FrameStream& before, double gap_s);
 
-  /// Of the current frame, counted from 0 as they are decoded.
+  /// Number of the current frame, counted from 0 as they are decoded.
   std::int64_t number() const { return number_; }
-  /// Of the current frame, s since frame 0: the container's or the driver's time, and increasing
-  /// in any case.
+  /// Time of the current frame, s since frame 0: the time of the container or the driver, always
+  /// increasing.
   double time_s() const { return stamp_s_ - first_stamp_s_; }
   /// The current frame, BGR, 8 bits a channel, upright; black where the decoder refused it.
   Result<cv::Mat> image();
-  /// What is wrong with the current frame of a file; empty for a whole one.
+  /// The damage of the current frame of a file; empty for a whole one.
   std::string damage();
   /// How frames are stored, once there is one.
   Result<cameras::StoredImages> stored();
@@ -63,12 +64,12 @@ class FrameStream {
   double next_stamp_s();
 
   std::shared_ptr<const void> pipe_;  ///< that `capture_` reads, if any
-  cv::VideoCapture capture_;          ///< of what is live
-  std::optional<films::Film> film_;   ///< of a file
+  cv::VideoCapture capture_;          ///< for live sources
+  std::optional<films::Film> film_;   ///< for a file
   std::string name_;
   bool is_live_ = false;
-  double fps_ = 0.0;         // of a file
-  double promised_s_ = 0.0;  // length of a file according to its header, 0 if it does not say
+  double fps_ = 0.0;         // for a file
+  double promised_s_ = 0.0;  // length of a file according to its header, 0 if it has none
   std::int64_t number_ = -1;
   double first_stamp_s_ = 0.0;
   double stamp_s_ = -1.0;

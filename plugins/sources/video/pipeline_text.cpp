@@ -13,7 +13,7 @@ bool is_of_word(char letter) {
   return std::isalnum(static_cast<unsigned char>(letter)) != 0 || letter == '-' || letter == '_';
 }
 
-/// Whether the value of a property is text of the user's, which names no element.
+/// True if the value of a property is free text of the user, which names no element.
 bool is_free_text(std::string_view property) {
   return property == "name" || property == "location" || property == "uri" || property == "device";
 }

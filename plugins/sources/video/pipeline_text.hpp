@@ -6,7 +6,7 @@
 
 namespace weft::video {
 
-/// Whether an address is a pipeline of GStreamer: elements with a ! between.
+/// True if an address is a pipeline of GStreamer: elements with a ! between.
 bool is_pipeline(const std::string& address);
 
 /// A pipeline gives its frames to `appsink` and writes nowhere: an error that names the element or

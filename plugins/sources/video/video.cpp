@@ -26,11 +26,11 @@ class Video final : public Source {
            "camera that replaces a file: N of /dev/videoN; -1: none");
     p.text("address", address_,
            "stream that replaces a file: rtsp://..., a pipe, or a GStreamer pipeline to appsink");
-    p.input_path("camera", camera_path_,
-                 "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info; auto: "
-                 "assumed focal length, with a warning for the run; empty: assumed focal length, "
-                 "with a warning for each frame",
-                 Need::optional, {"auto"});
+    p.input_path(
+        "camera", camera_path_,
+        "camera file: Weft's own (YAML or JSON), OpenCV's YAML or ROS camera_info; auto: assumed "
+        "focal length, with one warning; empty: the same, with a warning per frame",
+        Need::optional, {"auto"});
     cameras::declare(p, focal_);
     p.read("start_s", start_s_, "s", {0.0, 1e6}, "time before which frames are skipped");
     p.read("step", step_, "", {1, 1'000'000}, "interval of the frames that are used");
@@ -88,7 +88,8 @@ class Video final : public Source {
     return camera_.pinhole();
   }
 
-  /// Not even of a file: what its header says is an estimate, or wrong if the file was cut off.
+  /// Unknown even for a file: the count in its header is an estimate, or wrong if the file was cut
+  /// off.
   std::int64_t count() const override { return -1; }
 
   bool live() const override { return path_.empty(); }
@@ -119,7 +120,7 @@ class Video final : public Source {
   }
 
  private:
-  static constexpr int kUsualWidth_px = 640, kUsualHeight_px = 480;  // asked of a device
+  static constexpr int kUsualWidth_px = 640, kUsualHeight_px = 480;  // requested from a device
 
   bool is_calibrated() const { return !camera_path_.empty() && camera_path_ != "auto"; }
 
@@ -159,7 +160,7 @@ class Video final : public Source {
     return is_pipeline(address_) ? check_pipeline(address_) : Result<void>();
   }
 
-  /// The parameter that says what is read.
+  /// The parameter that selects the input.
   const char* given() const {
     if (!path_.empty()) return "path";
     return address_.empty() ? "device" : "address";
@@ -246,9 +247,9 @@ class Video final : public Source {
 
   cameras::CalibratedCamera camera_;
   FrameStream stream_;
-  bool is_at_a_frame_ = false;       // whether the stream has a current frame
-  std::int64_t first_number_ = 0;    // of frame 0 of this source in the stream
-  double first_time_s_ = 0.0;        // of the same
+  bool is_at_a_frame_ = false;       // true if the stream has a current frame
+  std::int64_t first_number_ = 0;    // number of frame 0 of this source in the stream
+  double first_time_s_ = 0.0;        // time of the same
   std::optional<std::int64_t> end_;  // the first frame that the stream lacks, once known
   Result<void> ending_;
   std::string gap_;  // why frames are missing before the next one

@@ -29,7 +29,7 @@ using Face = Triangulation::Face_handle;
 using Point = Kernel::Point_2;
 
 constexpr double kShapeBound = 0.125;
-// Refinement halves what is longer than its bound, so that the mean edge is well below it.
+// Refinement halves edges above their bound, so that the mean edge is well below it.
 constexpr double kBoundOverSpacing = 1.5;
 
 void insert(const Polygon& polygon, Triangulation& triangulation) {
@@ -43,7 +43,7 @@ void insert(const Polygon& polygon, Triangulation& triangulation) {
   }
 }
 
-/// By how many outlines each face is surrounded: inside is what is odd.
+/// The number of outlines around each face: faces with an odd number are inside.
 std::map<Face, int> depths_of(const Triangulation& triangulation) {
   std::map<Face, int> depth_of;
   std::vector<Face> here{triangulation.infinite_face()}, deeper;
@@ -179,9 +179,10 @@ Result<PlaneMesh> fill_outline(const Outline& outline, double spacing_px, int sm
     insert(outline.outer, triangulation);
     for (const Polygon& hole : outline.holes) insert(hole, triangulation);
   } catch (const Triangulation::Intersection_of_constraints_exception&) {
-    return Error{Errc::invalid_data, "the outline crosses itself when it is drawn with sides of " +
-                                         std::to_string(spacing_px) +
-                                         " px: give a finer 'spacing_mm' or more 'vertices'"};
+    return Error{Errc::invalid_data,
+                 "the outline crosses itself when it is approximated with sides of " +
+                     std::to_string(spacing_px) +
+                     " px: give a finer 'spacing_mm' or more 'vertices'"};
   }
   const auto holes = points_in_holes(triangulation);
   const Criteria criteria(kShapeBound, kBoundOverSpacing * spacing_px);

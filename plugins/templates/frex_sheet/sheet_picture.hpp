@@ -7,9 +7,9 @@
 
 namespace weft::frex_sheet {
 
-/// The sheet as it is printed, grey u8: pixel (u,v) is the mean over [u, u+1] x [v, v+1] /
-/// px_per_mm of black markers on white paper. Fails on ids that the sheet's dictionary does not
-/// have.
+/// The marker sheet of paper as it is printed, grey u8. Pixel (u,v) is the mean over [u, u+1] x [v,
+/// v+1] / px_per_mm of black markers on white paper. Fails on ids that the dictionary of the layout
+/// does not have.
 Result<cv::Mat> draw_sheet(const MarkerSheet& sheet, int px_per_mm);
 
 }  // namespace weft::frex_sheet

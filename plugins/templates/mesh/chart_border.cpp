@@ -20,7 +20,7 @@ std::size_t furthest_from(const Polygon& border, const Eigen::Vector2d& point) {
   return best;
 }
 
-/// Corners that keep the outline, in their order, begun at corners far apart.
+/// Corners that approximate the outline, in their order, beginning with distant corners.
 std::vector<std::size_t> outline_corners(const Polygon& border, double tolerance) {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   for (const Eigen::Vector2d& point : border) centre += point / static_cast<double>(border.size());

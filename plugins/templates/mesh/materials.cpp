@@ -13,7 +13,7 @@
 namespace weft::mesh {
 namespace {
 
-/// The picture of each material of a library (map_Kd); none of a library that cannot be read.
+/// The image of each material of a library (map_Kd); none for a library that cannot be read.
 void read_pictures(const std::filesystem::path& path,
                    std::map<std::string, std::string>& pictures) {
   constexpr std::uint64_t kMostBytes = 1U << 22U;
@@ -68,12 +68,12 @@ Result<void> check_materials(Materials materials, MeshFile& file) {
   const std::string materials_are =
       "the faces have " + std::to_string(used.size()) + " materials: " + named(used, pictures);
   if (distinct.size() > 1) {
-    return Error{Errc::invalid_data,
-                 file.path + ": " + materials_are + ", with " + std::to_string(distinct.size()) +
-                     " pictures, but a template has one: bake them into one picture, or export the "
-                     "faces of one material alone"};
+    return Error{Errc::invalid_data, file.path + ": " + materials_are + ", with " +
+                                         std::to_string(distinct.size()) +
+                                         " images, but a template has one: bake them into one "
+                                         "image, or export the faces of one material alone"};
   }
-  file.notes.push_back(materials_are + "; all of them are taken to be in the picture 'texture'");
+  file.notes.push_back(materials_are + "; all of them are assumed to be in the image 'texture'");
   return {};
 }
 

@@ -18,7 +18,7 @@ struct Materials {
   std::vector<Used> used;              ///< in their order
   std::vector<std::string> libraries;  ///< as the file has them
 
-  /// What the faces from now on are made of.
+  /// Sets the material of the next faces.
   void use(std::string_view name);
   void count_face() {
     if (!used.empty()) ++used[current].faces;
@@ -26,7 +26,7 @@ struct Materials {
   std::size_t current = 0;
 };
 
-/// Refuses faces of several pictures, by the libraries beside the file; notes several materials
+/// Refuses faces with several images, by the libraries beside the file; notes several materials
 /// that may share one.
 Result<void> check_materials(Materials materials, MeshFile& file);
 

@@ -18,9 +18,9 @@ namespace {
 
 /// Where texture coordinates come from.
 enum class Coordinates { file, flattened };
-/// Where coordinate 0 is: the outer edge or the centre of the picture's first texel.
+/// The place of coordinate 0: the outer edge or the centre of the image's first texel.
 enum class TexelOrigin { edge, centre };
-/// What of a mesh that was mirrored on its way is turned back.
+/// The axis by which a mirrored mesh is turned back.
 enum class Flip { none, u, v, both, space };
 
 /// A surface of any shape from a mesh file, with its texture: flat, curved or closed. It is cut
@@ -156,13 +156,13 @@ class MeshTemplate final : public TemplateBuilder {
     if (!has_own) {
       return Error{Errc::invalid_data,
                    file.path +
-                       ": has no texture coordinates: export it with them, or give "
-                       "'coordinates: flattened' to spread the picture over the surface"};
+                       ": has no texture coordinates: export it with them, or give 'coordinates: "
+                       "flattened' to spread the image over the surface"};
     }
     return check_within(file);
   }
 
-  /// Within the picture, by a thousandth.
+  /// Checks that coordinates are within the image, to a thousandth.
   static Result<void> check_within(const MeshFile& file) {
     constexpr double kSlack = 1e-3;
     for (const MeshFile::Face& face : file.faces) {
@@ -171,8 +171,8 @@ class MeshTemplate final : public TemplateBuilder {
         if (uv.minCoeff() >= -kSlack && uv.maxCoeff() <= 1.0 + kSlack) continue;
         return file.mistake(face, "has the texture coordinates " + std::to_string(uv.x()) + " " +
                                       std::to_string(uv.y()) +
-                                      ", outside the picture (0 to 1): a picture that repeats "
-                                      "cannot be tracked; unfold the mesh into one picture");
+                                      ", outside the image (0 to 1): an image that repeats cannot "
+                                      "be tracked; unfold the mesh into one image");
       }
     }
     return {};
@@ -191,7 +191,7 @@ class MeshTemplate final : public TemplateBuilder {
     return flat_px;
   }
 
-  /// Only the part of the picture that faces cover belongs to the object.
+  /// Only the part of the image that faces cover belongs to the object.
   static void keep_covered(const Points2& flat_px, const Faces& faces, cv::Mat& mask) {
     constexpr int kShift = 8;
     cv::Mat covered = cv::Mat::zeros(mask.size(), CV_8U);
@@ -224,7 +224,7 @@ class MeshTemplate final : public TemplateBuilder {
     if (vertices_ == 0 || std::abs(static_cast<double>(made) / vertices_ - 1.0) <= kClose)
       return {};
     return "meshed anew it has " + std::to_string(made) + " vertices instead of " +
-           std::to_string(vertices_) + ": its pieces and borders in the texture need so many";
+           std::to_string(vertices_) + ": its pieces and borders in the texture need this number";
   }
 
   std::string mesh_path_, texture_path_;

@@ -11,7 +11,7 @@
 namespace weft::mesh {
 namespace {
 
-/// Whether texture coordinates are given to all corners or to none.
+/// Checks that either all corners have texture coordinates or none.
 Result<void> check_texture(const MeshFile& file) {
   const auto has_texture = [](const MeshFile::Corner& corner) { return corner.texture >= 0; };
   const bool first = has_texture(file.faces.front().corners.front());

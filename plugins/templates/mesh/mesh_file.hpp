@@ -24,20 +24,20 @@ struct MeshFile {
 
   std::string path;
   std::vector<Eigen::Vector3d> positions;   ///< in the file's unit
-  std::vector<Eigen::Vector2d> texture_uv;  ///< 0 to 1 over the picture, v upwards
+  std::vector<Eigen::Vector2d> texture_uv;  ///< 0 to 1 over the image, v upwards
   std::vector<Face> faces;
-  std::vector<std::string> notes;  ///< what is doubtful about the file
+  std::vector<std::string> notes;  ///< warnings about the file
 
   /// "path:line: " or, in a binary file, "path: face 12 " before the sentence.
   Error mistake(const Face& face, const std::string& sentence) const;
 };
 
-/// Reads a Wavefront OBJ file (v, vt, f with v, v/vt, v/vt/vn and v//vn, negative indices) or a PLY
-/// file (ascii, binary of either byte order; x y z, texture coordinates s t, u v or texture_u
-/// texture_v of a vertex or the list texcoord of a face), told apart by their first word. All
-/// indices are in range and all numbers finite; either all corners have texture coordinates or
-/// none. Files of other formats and in UTF-16 are refused by their name, and so are faces of
-/// several pictures. A mistake is told as "path:line: what; fix".
+/// Reads a Wavefront OBJ file or a PLY file, distinguished by their first word. OBJ may have v, vt,
+/// f with v, v/vt, v/vt/vn and v//vn, and negative indices. PLY may be ascii or binary of either
+/// byte order. It has x y z and texture coordinates: s t, u v or texture_u texture_v of a vertex,
+/// or the list texcoord of a face. All indices are in range and all numbers finite; either all
+/// corners have texture coordinates or none. Files of other formats and in UTF-16 are refused by
+/// their name, and so are faces with several images. Errors have the form "path:line: what; fix".
 Result<MeshFile> read_mesh_file(const std::string& path);
 
 /// The same for a text that was read.

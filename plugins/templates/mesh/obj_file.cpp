@@ -16,7 +16,7 @@ using ply::words_of;
 
 using Words = std::vector<std::string_view>;
 
-/// Statements that say nothing about a surface of triangles and its texture coordinates.
+/// Statements without information about a surface of triangles and its texture coordinates.
 constexpr std::array<std::string_view, 12> kIgnored{"vn", "vp",     "g",      "o",   "s",  "l",
                                                     "p",  "usemap", "maplib", "lod", "mg", "bevel"};
 
@@ -137,7 +137,7 @@ class ObjParser {
     return {};
   }
 
-  /// Faces may stand before the vertices that they use.
+  /// Faces may precede the vertices that they use.
   Result<void> check_indices() const {
     const auto outside = [](std::int32_t index, std::size_t count) {
       return index < 0 || to_index(index) >= count;

@@ -6,8 +6,8 @@
 
 namespace weft::mesh {
 
-/// A sentence about a file that by its first bytes is neither OBJ nor PLY: its format, and how to
-/// convert it. Empty where nothing speaks against OBJ.
+/// A sentence about a file whose first bytes are neither OBJ nor PLY: its format, and how to
+/// convert it. Empty where nothing contradicts OBJ.
 std::string other_format(std::string_view bytes);
 
 /// The same by the ending of its name, for a file that could not be read as OBJ.

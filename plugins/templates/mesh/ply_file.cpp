@@ -67,7 +67,7 @@ class PlyParser {
     return {};
   }
 
-  /// Of a face whose corners have texture coordinates of their own.
+  /// Takes the texture coordinates of a face whose corners have separate ones.
   Result<void> take_texture(const PlyElement& element, std::int64_t i, const PlyRow& row,
                             std::vector<MeshFile::Corner>& corners) {
     const int list = element.find({"texcoord"});
@@ -87,16 +87,16 @@ class PlyParser {
     return {};
   }
 
-  /// Which of several pictures the face is in.
+  /// Takes the index of the face's image, where there are several.
   Result<void> take_picture(const PlyElement& element, std::int64_t i, const PlyRow& row) {
     const double picture = ply::number_at(row, element.find({"texnumber"}));
     if (std::isnan(picture)) return {};
     if (!picture_) picture_ = picture;
     if (*picture_ == picture) return {};
-    return reader_.mistake(element, i,
-                           "the face is in another picture than the first one (texnumber), but a "
-                           "template has one: bake them into one picture, or export the faces of "
-                           "one picture alone");
+    return reader_.mistake(
+        element, i,
+        "the face is in another image than the first one (texnumber), but a template has one: bake "
+        "them into one image, or export the faces of one image alone");
   }
 
   Result<void> check_indices() const {
@@ -116,7 +116,7 @@ class PlyParser {
   MeshFile file_;
   ply::PlyReader reader_;
   bool vertices_have_texture_ = false;
-  std::optional<double> picture_;  ///< of the first face that names one
+  std::optional<double> picture_;  ///< image of the first face that names one
 };
 
 }  // namespace

@@ -15,12 +15,11 @@ struct TexturedMesh {
   Faces faces;         ///< [F,3]
 };
 
-/// The same surface in about `vertices` vertices, whose faces are about equilateral. Each chart,
-/// which is what holds together in the texture, is filled anew in its plane, with texels of the
-/// size that they have on it, so that a vertex has one place in the texture and on the surface: a
-/// point of a face of `dense`. Sharp corners of a chart's border are kept, and between them the
-/// border up to chords of the new edges. Fails where so few vertices do not hold the surface;
-/// `path` names it.
+/// The same surface in about `vertices` vertices, whose faces are about equilateral. Each chart, a
+/// connected part of the texture, is meshed again in its plane, with texels of the size that they
+/// have on it. Each vertex therefore has one place in the texture and on the surface: a point of a
+/// face of `dense`. Sharp corners of a chart's border are kept, and between them the border up to
+/// chords of the new edges. Fails where so few vertices do not hold the surface; `path` names it.
 Result<TexturedMesh> remeshed(const std::string& path, const TexturedMesh& dense, int vertices);
 
 }  // namespace weft::mesh

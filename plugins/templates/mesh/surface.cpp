@@ -57,8 +57,8 @@ int count_parts(const std::vector<Triple>& points) {
   return parts;
 }
 
-/// Whether triangles overlap by more than `slack`, by separating axes: no side of either has the
-/// other one beyond it.
+/// True if triangles overlap by more than `slack`, by separating axes: no side of either has the
+/// other triangle completely beyond it.
 bool overlap(const std::array<Eigen::Vector2d, 3>& a, const std::array<Eigen::Vector2d, 3>& b,
              double slack) {
   for (const auto* triangle : {&a, &b}) {
@@ -107,11 +107,11 @@ Result<void> check_connected(const MeshFile& file, const std::vector<Triple>& po
       Errc::invalid_data,
       file.path + ": " + std::to_string(isolated) + " of " + std::to_string(corners.size()) +
           " faces share no edge with another one: " +
-          (by_texture ? "each has its own piece of the picture; unwrap the mesh into few connected "
-                        "pieces"
-                      : "their corners are not joined; merge vertices by distance in the program "
-                        "that made the mesh (Blender: Merge by Distance; MeshLab: Merge Close "
-                        "Vertices)") +
+          (by_texture
+               ? "each has its own piece of the image; unwrap the mesh into few connected pieces"
+               : "their corners are not joined; merge vertices by distance in the program "
+                 "that made the mesh (Blender: Merge by Distance; MeshLab: Merge Close "
+                 "Vertices)") +
           ", and export it again"};
 }
 
@@ -142,7 +142,7 @@ Result<Surface> weld(MeshFile& file) {
                                            " faces has an area: export the mesh again"};
     }
     file.notes.push_back(std::to_string(removed) + " of " + std::to_string(given) +
-                         " faces have no area and are left out");
+                         " faces have no area and are omitted");
   }
   const std::vector<Triple> points = points_of(file, first_position);
   if (auto checked = check_manifold(file, points); !checked) return checked.error();
@@ -226,7 +226,7 @@ Result<void> check_overlap(const MeshFile& file, const Points2& flat_px, const F
               "overlaps that of " +
                   (earlier.line > 0 ? "line " + std::to_string(earlier.line)
                                     : "number " + std::to_string(earlier.count)) +
-                  " in the texture: give each part of the surface its own part of the picture");
+                  " in the texture: give each part of the surface its own part of the image");
         }
         here.push_back(f);
       }

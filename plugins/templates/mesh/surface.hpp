@@ -17,9 +17,9 @@ struct Surface {
   int parts = 0;     ///< [] that do not touch in space
 };
 
-/// Joins the corners and takes faces without area out of the file, which a note tells. Refuses,
-/// with the place of the face: a third face at an edge, and the same face twice; and a file most of
-/// whose faces share no edge with another one.
+/// Joins the corners and removes faces without area from the file, which a note reports. Fails,
+/// with the place of the face, for a third face at an edge and for a repeated face. Also fails for
+/// a file whose faces mostly share no edge with another one.
 Result<Surface> weld(MeshFile& file);
 
 /// Makes all faces counter-clockwise as the camera sees them in the texture (`flat_px` [V,2], v
@@ -27,8 +27,8 @@ Result<Surface> weld(MeshFile& file);
 /// without area in the texture, and those that turn another way than the others.
 Result<void> orient(const MeshFile& file, const Points2& flat_px, Faces& faces);
 
-/// Refuses a face that covers a point of the texture that another one covers, by more than a
-/// hundredth of a pixel: each point of the texture may be one point of the object only.
+/// Fails for faces that overlap in the texture by more than a hundredth of a pixel. Each point of
+/// the texture may be only one point of the object.
 Result<void> check_overlap(const MeshFile& file, const Points2& flat_px, const Faces& faces);
 
 }  // namespace weft::mesh

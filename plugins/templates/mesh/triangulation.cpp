@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// A polygon of which ears are cut off until nothing is left.
+/// Cuts off the ears of a polygon until nothing is left.
 class Ears {
  public:
   explicit Ears(std::vector<Vector2d> points) : points_(std::move(points)) {
@@ -82,7 +82,7 @@ class Ears {
     return std::min({angle(a, b, c), angle(b, c, a), angle(c, a, b)});
   }
 
-  /// Whether the outline turns back on itself at b.
+  /// True if the outline turns back on itself at b.
   static bool is_spike(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
     return (a - b).dot(c - b) > 0.0;
   }
@@ -133,7 +133,7 @@ Result<void> cut_polygon(MeshFile& file, std::size_t begin, std::size_t end) {
     places.push_back(file.positions[to_index(corner.position)]);
   }
   const Vector3d normal = newell(places);
-  // Without area nothing is seen of it: its triangles are left out later.
+  // A face without area is invisible: its triangles are removed later.
   if (!(normal.norm() > 0.0) || !normal.allFinite() || is_fan_sound(places, normal)) return {};
   if (corners.size() > kMost) {
     return file.mistake(file.faces[begin],

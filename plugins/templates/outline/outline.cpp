@@ -15,7 +15,7 @@
 namespace weft::outline {
 namespace {
 
-/// What is known to be so long.
+/// The dimension with a known length.
 enum class Measured { width, height, longest, picture };
 
 /// A flat object of any outline, from one photograph of it: found on its plain background,
@@ -141,7 +141,8 @@ class OutlineTemplate final : public TemplateBuilder {
     return measured_ == Measured::width ? high.x() - low.x() : high.y() - low.y();
   }
 
-  /// Of so many vertices in a lattice of equilateral triangles, where no spacing was given.
+  /// The spacing for the default number of vertices in a lattice of equilateral triangles, where
+  /// none was given.
   double spacing(const Outline& outline, double m_per_px) const {
     if (spacing_mm_ > 0.0) return 0.001 * spacing_mm_ / m_per_px;
     return std::sqrt(2.0 * outline.area_px2() / (std::sqrt(3.0) * vertices_));
@@ -159,7 +160,7 @@ class OutlineTemplate final : public TemplateBuilder {
     const Eigen::Index made = mesh.flat_px.rows();
     if (static_cast<double>(made) <= kMostRefined * expected + kLeastMesh) return {};
     return Error{Errc::invalid_data,
-                 "the object falls apart: " + std::to_string(made) +
+                 "the object breaks into pieces: " + std::to_string(made) +
                      " vertices were needed where " + std::to_string(std::lround(expected)) +
                      " fill its area, for it is narrower than the mesh's edges between its " +
                      std::to_string(outline.holes.size()) +
@@ -172,7 +173,7 @@ class OutlineTemplate final : public TemplateBuilder {
     const std::string parameter = spacing_mm_ > 0.0 ? "'spacing_mm'" : "'vertices'";
     if (vertices < kMostVertices && spacing_px >= 1.0) return {};
     return Error{Errc::invalid_value,
-                 parameter + " asks for edges of " +
+                 parameter + " requires edges of " +
                      std::to_string(1000.0 * spacing_px * m_per_px) + " mm, which is " +
                      std::to_string(spacing_px) +
                      " px of the photograph: make the mesh coarser, at least 1 px, and below " +

@@ -10,8 +10,8 @@
 namespace weft::outline {
 namespace {
 
-constexpr double kLeastContrast = 4.0;  // of L*a*b*; the eye sees about 1
-constexpr double kSteps = 2.0;          // of the 8-bit distances in 1 of L*a*b*
+constexpr double kLeastContrast = 4.0;  // distance in L*a*b*; the eye sees about 1
+constexpr double kSteps = 2.0;          // steps of the 8-bit distances in 1 of L*a*b*
 constexpr int kFewestPixels = 100;
 
 cv::Mat3f to_lab(const cv::Mat& photo) {

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kLargest_px = 1600.0;
 constexpr int kShift = 4;  // positions are given to OpenCV in 1/16 px
-const cv::Scalar kMeshColour(97, 222, 64), kCornerColour(0, 110, 255);  // BGR, as in other pictures
+const cv::Scalar kMeshColour(97, 222, 64), kCornerColour(0, 110, 255);  // BGR, as in other images
 
 /// A smaller photograph to draw on, by places of the unit square.
 class Canvas {
@@ -31,7 +31,7 @@ class Canvas {
     if (picture_.channels() == 1) cv::cvtColor(picture_, picture_, cv::COLOR_GRAY2BGR);
   }
 
-  /// A side of the sheet or of the mesh, which a lens may bend, over a dark halo.
+  /// A side of the surface or of the mesh, which a lens may bend, over a dark halo.
   void line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, int width) {
     constexpr int kPieces = 24;
     std::vector<cv::Point> points;
@@ -117,7 +117,7 @@ Result<void> write_corner_picture(const Photograph& photo, const Findings& findi
                                   const std::string& path) {
   std::vector<std::uint8_t> png;
   if (!cv::imencode(".png", draw_corners(photo, findings), png)) {
-    return Error{Errc::unsupported, "the picture is too large for PNG", path};
+    return Error{Errc::unsupported, "the image is too large for PNG", path};
   }
   return write_whole({reinterpret_cast<const char*>(png.data()), png.size()}, path);
 }

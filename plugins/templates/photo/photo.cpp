@@ -31,17 +31,17 @@ namespace {
 
 constexpr double kDegree = M_PI / 180.0;
 
-/// Where the sheet is in the photograph, and how large it is.
+/// The place of the surface in the photograph, and its size.
 struct Sheet {
   Corners corners_px;  ///< ideal px
   SheetView view;
   double width_m = 0.0, height_m = 0.0;
-  std::vector<std::string> notes;  ///< what is doubtful
+  std::vector<std::string> notes;  ///< warnings
 };
 
-/// A flat rectangular sheet from one photograph of it: its corners are found, the camera tells its
-/// height, and what is between the corners is the texture. Vertices are at s (u, v, 0) as those of
-/// templates/rectangular.
+/// A flat rectangular surface from one photograph of it. The builder finds the corners, computes
+/// the height by the camera, and takes the area between the corners as the texture. Vertices are at
+/// s (u, v, 0) as those of templates/rectangular.
 class PhotoTemplate final : public TemplateBuilder {
  public:
   static constexpr About kAbout{
@@ -134,9 +134,9 @@ class PhotoTemplate final : public TemplateBuilder {
                  "a side of the mesh has 2 vertices or more; 0 lets them be proposed"};
   }
 
-  /// Without a camera, where no straight sides are found, lenses are tried that bend them. A sheet
-  /// of which hands or the photograph's border hide more is taken where there is no other, or where
-  /// the other is far smaller: a frame that is printed on it.
+  /// Without a camera, where it finds no straight sides, it tries lenses that bend them. It takes a
+  /// surface with more parts hidden by hands or by the photograph's border only in two cases.
+  /// Either there is no other, or the other is far smaller: a frame that is printed on it.
   Result<FoundSheet> found_sheet(Photograph& photo) const {
     constexpr double kFarMore = 1.5, kMore = 1.2;
     auto found = find_sheet(photo);
@@ -159,7 +159,7 @@ class PhotoTemplate final : public TemplateBuilder {
     return in_hands ? in_hands : wrong(found.error().message);
   }
 
-  /// By the corners that are given, or found.
+  /// Uses the given corners, or finds them.
   Result<FoundSheet> sheet_in(Photograph& photo) const {
     if (corners_.empty()) return found_sheet(photo);
     Points2 points_px(4, 2);
@@ -190,8 +190,8 @@ class PhotoTemplate final : public TemplateBuilder {
     const char* effect = side % 2 == 0 ? "the template lacks what is beyond"
                                        : "give as 'width_m' the width of what is seen";
     return fmt::format(
-        "the {} side of the sheet is the border of the photograph: if the sheet goes on beyond it, "
-        "{}",
+        "the {} side of the object is the border of the photograph: if the object continues beyond "
+        "it, {}",
         kNames[side], effect);
   }
 
@@ -212,20 +212,20 @@ class PhotoTemplate final : public TemplateBuilder {
     }
     sheet.view = view_of_sheet(corners_px, photo.pinhole());
     if (sheet.view.tilt_rad > kMostTilt_rad) {
-      return wrong(fmt::format(
-          "the sheet is seen {:.0f} degrees from straight above, too obliquely for a texture: take "
-          "it from above, within {:.0f} degrees",
-          sheet.view.tilt_rad / kDegree, kMostTilt_rad / kDegree));
+      return wrong(
+          fmt::format("the object is seen {:.0f} degrees from straight above, too obliquely for a "
+                      "texture: take it from above, within {:.0f} degrees",
+                      sheet.view.tilt_rad / kDegree, kMostTilt_rad / kDegree));
     }
     sheet.width_m = width_m_;
     const double seen_height_m = width_m_ * sheet.view.height_over_width;
     sheet.height_m = height_m_ > 0.0 ? height_m_ : seen_height_m;
     if (!photo.is_calibrated) sheet.notes.push_back(without_camera(guess, sheet.height_m));
     if (std::abs(sheet.view.skew_rad) > kMostSkew_rad) {
-      sheet.notes.push_back(fmt::format(
-          "the corners are {:.1f} degrees off right angles for this camera: is the sheet flat, and "
-          "is the camera that of this photograph?",
-          std::abs(sheet.view.skew_rad) / kDegree));
+      sheet.notes.push_back(
+          fmt::format("the corners are {:.1f} degrees off right angles for this camera: check that "
+                      "the object is flat, and that the camera belongs to this photograph",
+                      std::abs(sheet.view.skew_rad) / kDegree));
     }
     const double error = std::abs(std::log(sheet.height_m / seen_height_m));
     if (photo.is_calibrated && error > kMostDisagreement) {
@@ -236,7 +236,7 @@ class PhotoTemplate final : public TemplateBuilder {
     return sheet;
   }
 
-  /// What the lens bends stays as it is.
+  /// Keeps the distortion of the lens.
   static void set_focal_length(cameras::CameraFile& file, double focal_px) {
     const double ratio = focal_px / file.camera.fx;
     if (!file.coefficients.empty()) file.coefficients[0] *= ratio * ratio;
@@ -253,7 +253,7 @@ class PhotoTemplate final : public TemplateBuilder {
         guess.focal_px, 1000.0 * height_m, 100.0 * guess.ratio_error);
   }
 
-  /// As fine as the photograph shows the sheet where it is seen largest.
+  /// As fine as the photograph shows the surface where it appears largest.
   Result<cv::Size> texture_size(const Sheet& sheet) const {
     const Corners& p = sheet.corners_px;
     const double across_px = std::max((p[1] - p[0]).norm(), (p[2] - p[3]).norm());
@@ -264,11 +264,11 @@ class PhotoTemplate final : public TemplateBuilder {
     const cv::Size size(static_cast<int>(std::lround(sheet.width_m * longer_px / longer_m)),
                         static_cast<int>(std::lround(sheet.height_m * longer_px / longer_m)));
     if (std::min(size.width, size.height) >= kLeastTexture_px) return size;
-    return wrong(fmt::format(
-        "the sheet, {:.4g} x {:.4g} m, would have a texture of {} x {} px, below {} px: check "
-        "'width_m', 'height_m' and 'corners'{}, or take it larger",
-        sheet.width_m, sheet.height_m, size.width, size.height, kLeastTexture_px,
-        texture_px_ > 0 ? ", raise 'texture_px'" : ""));
+    return wrong(
+        fmt::format("the object, {:.4g} x {:.4g} m, would have a texture of {} x {} px, below {} "
+                    "px: check 'width_m', 'height_m' and 'corners'{}, or take it larger",
+                    sheet.width_m, sheet.height_m, size.width, size.height, kLeastTexture_px,
+                    texture_px_ > 0 ? ", raise 'texture_px'" : ""));
   }
 
   Result<Grid> grid_for(const Call& call, const cv::Mat& texture) const {

@@ -20,7 +20,7 @@ std::string size_text(std::int64_t width, std::int64_t height) {
   return std::to_string(width) + " x " + std::to_string(height) + " px";
 }
 
-/// Of a photograph of `size` and the camera that is said to have taken it.
+/// For a photograph of `size` and the camera of the parameter.
 Error other_size(const std::string& path, const std::string& camera_path, const Camera& camera,
                  const cv::Size& size) {
   const bool is_turned = size.width == camera.height_px && size.height == camera.width_px;

@@ -16,7 +16,7 @@ struct Photograph {
   cv::Mat pixels;                ///< [H,W] grey u8 or [H,W,3] BGR u8, upright
   cameras::CameraFile camera{};  ///< a guess unless it is calibrated
   bool is_calibrated = false;
-  int orientation = 1;  ///< of the file, by which it was made upright
+  int orientation = 1;  ///< orientation in the file, by which it was made upright
 
   Pinhole pinhole() const {
     return {camera.camera.fx, camera.camera.fy, camera.camera.cx, camera.camera.cy};
@@ -27,9 +27,9 @@ struct Photograph {
   }
 };
 
-/// Reads a photograph, turned upright as its EXIF data says. With an empty `camera_path` the focal
-/// length is a guess: 0.8 times the longer side, between those of phones (0.75) and webcams.
-/// Fails, with file and fix, on what is no photograph and on a camera of another size.
+/// Reads a photograph and turns it upright by its EXIF data. With an empty `camera_path` the focal
+/// length is a guess: 0.8 times the longer side, between those of phones (0.75) and webcams. Fails,
+/// with file and fix, on a file that is not a photograph and on a camera of another size.
 Result<Photograph> read_photograph(const std::string& path, const std::string& camera_path);
 
 /// The photograph's colours as L*a*b* [H,W,3] u8, all three about 0 to 255.

@@ -11,7 +11,7 @@
 namespace weft::photo {
 namespace {
 
-constexpr double kLeastShare = 0.08;        // of the picture, that the sheet covers
+constexpr double kLeastShare = 0.08;        // share of the image that the surface covers
 constexpr double kLeastTurn = 0.5;          // sine: corners of 30 to 150 degrees
 constexpr double kMostConvergence = 0.707;  // cosine: opposite sides within 45 degrees
 
@@ -24,7 +24,7 @@ Eigen::Vector2d meeting(const StraightLine& a, const StraightLine& b) {
   return a.point + cross(b.point - a.point, b.direction) / turn * a.direction;
 }
 
-/// Of corners that run clockwise.
+/// For clockwise corners.
 bool is_convex(const Corners& p) {
   for (std::size_t k = 0; k < 4; ++k) {
     if (!(cross(p[k] - p[(k + 3) % 4], p[(k + 1) % 4] - p[k]) > 0.0)) return false;
@@ -32,7 +32,7 @@ bool is_convex(const Corners& p) {
   return true;
 }
 
-/// All pairs of lines that meet in the picture.
+/// All pairs of lines that meet in the image.
 class Meetings {
  public:
   Meetings(const std::vector<StraightLine>& lines, const Eigen::Vector2d& whole_px,
@@ -59,9 +59,9 @@ class Meetings {
 /// See Quadrilateral; 0 where a side has too few edges, or too many corners have none.
 double merit_of(const Quadrilateral& shape, const std::vector<StraightLine>& lines, double area,
                 const Needed& needed) {
-  constexpr double kArm = 0.15, kLeastOfArm = 0.3;  // of a side, next to its corners
+  constexpr double kArm = 0.15, kLeastOfArm = 0.3;  // share of a side, next to its corners
   double sum = 0.0;
-  std::array<int, 4> arms{};  // of each corner, along which there are edges
+  std::array<int, 4> arms{};  // number of arms of each corner along which there are edges
   for (std::size_t k = 0; k < 4; ++k) {
     const std::size_t next = (k + 1) % 4;
     const StraightLine& line = lines[shape.lines[k]];

@@ -9,8 +9,8 @@
 namespace weft::photo {
 namespace {
 
-/// Samples along each side of a texel so that none is further from the next than the photograph's
-/// pixels are, where the sheet is seen largest.
+/// Number of samples along each side of a texel so that their distances are at most the
+/// photograph's pixels, where the surface appears largest.
 int samples_a_texel(const Eigen::Matrix3d& ideal_from_unit, const cv::Size& size_px) {
   // OpenCV's remapping counts columns in 16 bits.
   const double most = std::clamp(std::floor(32766.0 / size_px.width), 1.0, 8.0);

@@ -8,10 +8,10 @@
 
 namespace weft::photo {
 
-/// The sheet as seen from straight above, its corners at the corners of the picture: pixel (i, j)
-/// of W x H is the mean over the unit square's ((i, j) to (i + 1, j + 1)) / (W, H), which
-/// `ideal_from_unit` takes to ideal px. The photograph is sampled once, bicubically, as densely as
-/// its own pixels lie.
+/// The surface as seen from straight above, its corners at the corners of the image. Pixel (i, j)
+/// of W x H is the mean over ((i, j) to (i + 1, j + 1)) / (W, H) of the unit square.
+/// `ideal_from_unit` maps this square to ideal px. The photograph is sampled once, bicubically, at
+/// the density of its pixels.
 cv::Mat rectified(const Photograph& photo, const Eigen::Matrix3d& ideal_from_unit,
                   const cv::Size& size_px);
 

@@ -18,7 +18,8 @@ namespace weft::photo {
 namespace {
 
 constexpr double kSmall_px = 1000.0;
-constexpr double kBeyond = 0.15;  // of the photograph, which a lens may show beyond the ideal image
+constexpr double kBeyond = 0.15;  // share of the photograph, which a lens may show beyond the ideal
+                                  // image
 
 /// The photograph without distortion, made smaller.
 struct SmallView {
@@ -67,11 +68,11 @@ SmallView small_view(const Photograph& photo) {
   return view;
 }
 
-/// What find_sheet() asks of the sides of a sheet.
+/// The requirements of find_sheet() for the sides of a surface.
 struct Demands {
   double least_side, least_mean;  ///< [] share of a side, and mean over them, that is an edge
   int fewest_corners;             ///< a hand or a weight may hold one down
-  bool in_runs;                   ///< whether edges count in runs only
+  bool in_runs;                   ///< true if edges count in runs only
   double beside_px;               ///< how far corners may be outside of the photograph
   Reach reach;                    ///< paper that is held is not quite straight
 };
@@ -81,7 +82,7 @@ Demands demands_of(Missing missing) {
   return {0.25, 0.6, 2, true, 15.0, {6.0, 2.5}};
 }
 
-/// How much speaks for a quadrilateral; nothing where its sides are no edges.
+/// The merit of a quadrilateral; nothing where its sides are no edges.
 std::optional<double> merit_of_fit(const FittedSides& fitted, const Eigen::Vector2d& whole_px,
                                    const Demands& demands, std::optional<std::size_t> border) {
   constexpr double kAtCorner = 0.5;
@@ -116,8 +117,9 @@ std::optional<double> merit_of_fit(const FittedSides& fitted, const Eigen::Vecto
          (1.0 - kForACorner * (4 - corners));
 }
 
-/// Whether a sheet may end at the border of the photograph there: by its corners in ideal px a
-/// camera as that of the photograph sees a rectangle, and its sides meet the border steeply.
+/// True if a surface may end at the border of the photograph there. A camera like that of the
+/// photograph must see its corners, in ideal px, as a rectangle, and its sides must meet the border
+/// steeply.
 bool may_end_at(std::size_t border, const Corners& corners_px, const Photograph& photo) {
   constexpr double kMostSkew_rad = 3.0 * M_PI / 180.0, kSteep = 0.98;  // sine of 80 degrees
   const Eigen::Vector2d &from = corners_px[border], &to = corners_px[(border + 1) % 4];
@@ -172,7 +174,8 @@ std::optional<FoundSheet> best_sheet(const Photograph& photo, const SmallView& v
   return best;
 }
 
-/// Whether a rectangle seems to go on beyond the photograph: one or two of its sides are borders.
+/// True if a rectangle seems to continue beyond the photograph: one or two of its sides are
+/// borders.
 bool seems_cut_off(const SmallView& view, std::vector<StraightLine> lines) {
   constexpr std::size_t kMost = 200;
   const std::size_t first_border = lines.size();
@@ -189,8 +192,8 @@ Error no_sheet(const SmallView& view, const std::vector<StraightLine>& lines) {
   const std::string hint =
       seems_cut_off(view, lines) ? " (something like one is cut off by the border)" : "";
   return {Errc::invalid_data,
-          "no sheet is found: no four straight edges make a rectangle" + hint +
-              ": show all four corners on a background that differs from the sheet's border, or "
+          "no object is found: no four straight edges make a rectangle" + hint +
+              ": show all four corners on a background that differs from the object's border, or "
               "give 'corners'",
           {}};
 }

@@ -9,10 +9,10 @@
 
 namespace weft::photo {
 
-/// What may be hidden of a sheet.
+/// The parts of a surface that may be hidden.
 enum class Missing {
   little,    ///< a corner, and half of a side
-  to_hands,  ///< two corners, and most of a side, if what is left of it is seen without gaps
+  to_hands,  ///< two corners, and most of a side, if the rest of it is seen without gaps
   one_side   ///< the same, and one side is the border of the photograph
 };
 
@@ -31,17 +31,16 @@ struct FoundSheet {
 ///    three, at which a side goes on: a printed frame is smaller than its sheet, lines of a table
 ///    go on;
 /// 4. its sides are fitted again in the photograph itself, to a fraction of a pixel.
-/// Where more may be missing, the sheet covers a quarter of the photograph. Its sides are edges
-/// along 25 % of their length, in runs without gaps and within 2.5 px, as paper that is held is not
-/// straight. Two corners are enough, and corners may be 15 px outside of the 1000. A side on the
-/// border of the photograph is taken only if two others meet it there within 10 degrees of a right
-/// angle and all four are a rectangle within 3 degrees, as those of a sheet that is cut off aslant
-/// are not.
-/// Fails, saying what to do, where there is none.
+/// Where more may be missing, the surface covers a quarter of the photograph. Its sides are edges
+/// along 25 % of their length, in runs without gaps and within 2.5 px, because paper in a hand is
+/// not straight. Two corners are enough, and corners may be 15 px outside of the 1000. A side on
+/// the border of the photograph is taken only if two others meet it there within 10 degrees of a
+/// right angle. All four must be a rectangle within 3 degrees. A surface that is cut off aslant
+/// does not pass this test. Fails, with a suggestion, where there is none.
 Result<FoundSheet> find_sheet(const Photograph& photo, Missing missing = Missing::little);
 
-/// The same corners from the one that is the top left where the sheet is read as upright as the
-/// photograph: its upper side runs as far to the right as it can. They are clockwise before.
+/// The same corners, rotated so that the first is the top left one when the photograph is upright.
+/// The upper side then runs as far to the right as it can. The input must be clockwise.
 Corners upright(const Corners& corners_px);
 
 }  // namespace weft::photo

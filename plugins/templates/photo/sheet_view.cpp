@@ -44,7 +44,7 @@ Pinhole with_focal_length(Pinhole camera, double focal_px) {
   return camera;
 }
 
-/// By how much errors of half a pixel in each corner change the skew, squared.
+/// The variance of the skew that errors of half a pixel in each corner cause.
 double skew_variance(const Corners& corners_px, const Pinhole& camera, double skew_rad) {
   constexpr double kCornerError_px = 0.5, kLeast = 1e-12;
   double variance = kLeast;
@@ -75,8 +75,8 @@ Result<void> check_corners(const Corners& p) {
     if (!(side.norm() >= kLeastSide_px)) {
       return wrong("the " + std::string(name_of_corner(k)) + " and the " +
                    name_of_corner((k + 1) % 4) +
-                   " corner are less than 16 px apart: give four different corners, or a "
-                   "photograph that shows the sheet larger");
+                   " corner are closer than 16 px: give four different corners, or a photograph "
+                   "that shows the object larger");
     }
   }
   for (std::size_t k = 0; k < 4; ++k) {
@@ -90,7 +90,7 @@ Result<void> check_corners(const Corners& p) {
   }
   if (turns_back == 4) {
     return wrong(
-        "the corners run anticlockwise, which would mirror the sheet: give them in the order top "
+        "the corners run anticlockwise, which would mirror the object: give them in the order top "
         "left, top right, bottom right, bottom left");
   }
   if (turns_back == 2) {

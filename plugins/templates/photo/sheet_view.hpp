@@ -8,7 +8,7 @@
 
 namespace weft::photo {
 
-/// The corners of a sheet as one reads: top left, top right, bottom right, bottom left; px.
+/// The corners of a surface in reading order: top left, top right, bottom right, bottom left; px.
 using Corners = std::array<Eigen::Vector2d, 4>;
 
 /// Positive where b is clockwise of a, as the reader sees them.
@@ -19,11 +19,11 @@ inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 /// "top left" and so on.
 const char* name_of_corner(std::size_t corner);
 
-/// Whether a sheet can have its corners there: far enough apart, no three on a line, clockwise,
-/// convex. The message says which are wrong, and what to do.
+/// Checks that a surface can have its corners there: far enough from each other, no three on a
+/// line, clockwise, convex. The message has the invalid ones, and what to do.
 Result<void> check_corners(const Corners& corners_px);
 
-/// px^2, as the sheet's sides enclose it; negative where the corners run anticlockwise.
+/// px^2, as the surface's sides enclose it; negative where the corners run anticlockwise.
 double signed_area_px2(const Corners& corners_px);
 
 /// A rectangle as a pinhole camera sees it. With the homography H that takes the unit square to the
@@ -35,21 +35,22 @@ struct SheetView {
   Eigen::Matrix3d px_from_unit;  ///< H: (0,0), (1,0), (1,1), (0,1) go to the corners
   double height_over_width = 0.0;
   double skew_rad = 0.0;  ///< how far its corners are from right angles; 0 for a true rectangle
-  double tilt_rad = 0.0;  ///< of its normal against the ray to its middle; 0 seen from above
+  double tilt_rad = 0.0;  ///< angle of its normal against the ray to its middle; 0 seen from above
 };
 
-/// Of corners that check_corners() accepts, in px of the pinhole.
+/// For corners that check_corners() accepts, in px of the pinhole.
 SheetView view_of_sheet(const Corners& corners_px, const Pinhole& camera);
 
-/// What one view of a rectangle says of an unknown focal length.
+/// The estimate of an unknown focal length from one view of a rectangle.
 struct FocalGuess {
   double focal_px = 0.0;
   double ratio_error = 0.0;  ///< standard deviation of ln(height / width)
 };
 
-/// Sides must be at right angles (corners found to half a pixel), and the focal length is likely
-/// near that of `start` (ln f normal, sigma 0.2): mean over both. Seen from above the angles say
-/// nothing of the focal length, and it says nothing of the ratio.
+/// Sides must be at right angles (corners found to half a pixel). The focal length is likely near
+/// that of `start` (ln f normal, sigma 0.2). The result is the mean under both. In a view from
+/// above, the angles do not constrain the focal length, and the focal length does not affect the
+/// ratio.
 FocalGuess guess_focal_length(const Corners& corners_px, const Pinhole& start);
 
 }  // namespace weft::photo

@@ -12,9 +12,9 @@ namespace weft::photo {
 namespace {
 
 constexpr double kMostPlaces = 200.0;  // along a side
-constexpr double kOutside = 0.1;       // of its length, beyond each of its ends
-constexpr double kCorner = 0.02;       // of its length, where two sides blur into one another
-constexpr double kEnd = 0.12;          // of its length, next to a corner
+constexpr double kOutside = 0.1;       // share of its length, beyond each of its ends
+constexpr double kCorner = 0.02;       // share of its length, where two sides blur into one another
+constexpr double kEnd = 0.12;          // share of its length, next to a corner
 // Paper on a table that looks like it differs by some 6 levels; the noise of means is below 2.
 constexpr double kLeastContrast = 4.0;
 
@@ -35,7 +35,7 @@ struct Side {
 /// The steepest change across a side at one place along it.
 struct EdgePoint {
   double along_px = 0.0, outwards_px = 0.0;
-  double contrast = 0.0;  ///< of the colours on both sides of it
+  double contrast = 0.0;  ///< difference of the colours on both sides of it
 };
 
 /// outwards_px = offset_px + slope (along_px - half of the side).
@@ -47,7 +47,8 @@ struct FittedLine {
   }
 };
 
-/// Mean of five places along the side, a pixel apart: noise shrinks, and the edge does not move.
+/// Mean of five places along the side, at distances of a pixel: noise shrinks, and the edge does
+/// not move.
 Eigen::Vector3d smooth_colour(const Colours& colours, const Side& side, double along_px,
                               double outwards_px) {
   constexpr int kBeside = 2;
@@ -137,7 +138,7 @@ double share_on_line(const std::vector<EdgePoint>& edges, const Side& side, cons
 
 /// Share of the side in long runs of edges on the line. A gap of one place ends no run.
 double share_in_runs(const std::vector<EdgePoint>& edges, const Side& side, const Band& band) {
-  constexpr double kShortest = 1.0 / 12.0;  // of the side
+  constexpr double kShortest = 1.0 / 12.0;  // share of the side
   double sum_px = 0.0, begin_px = 0.0, end_px = -1.0;
   int missing = 2;  // places in a row; at 2 no run is open
   const auto close = [&] {

@@ -19,7 +19,7 @@ struct Segment {
   double length_px() const { return (to - from).norm(); }
 };
 
-/// Whether the pixel at a place is not 0; false beside the mask.
+/// True if the pixel at a place is not 0; false beside the mask.
 bool is_set(const cv::Mat& mask, const Eigen::Vector2d& place) {
   const auto x = std::lround(place.x()), y = std::lround(place.y());
   return x >= 0 && y >= 0 && x < mask.cols && y < mask.rows &&
@@ -150,7 +150,7 @@ std::vector<StraightLine> straight_lines(const cv::Mat& picture, const cv::Mat& 
                                          std::size_t most) {
   constexpr double kLeastSeed_px = 20.0;
   constexpr std::size_t kMostSeeds = 400;
-  cv::Mat inner;  // what is not seen is an edge, too
+  cv::Mat inner;  // the border of the visible part is an edge, too
   const cv::Mat square = cv::getStructuringElement(cv::MORPH_RECT, {9, 9});
   cv::erode(seen, inner, square);
   const std::vector<Segment> segments = find_segments(picture, inner);

@@ -14,9 +14,10 @@ namespace {
 /// texture coordinates from the centre of the top-left texel.
 enum class TexelOrigin { edge, centre };
 
-/// A flat rectangular sheet that its texture fills: vertex (i, j) lies at
-///   u = i W / (columns - 1) - 1/2,  v = j H / (rows - 1) - 1/2   (px; W x H the texture's size)
-/// and at (s_u u, s_v v, 0) in metres, s_u = width / W, s_v = height / H. The camera plays no part.
+/// A flat rectangular surface that its texture fills. Vertex (i, j) lies at
+///     u = i W / (columns - 1) - 1/2,  v = j H / (rows - 1) - 1/2   (px; W x H the texture's size)
+/// and at (s_u u, s_v v, 0) in metres, s_u = width / W, s_v = height / H. It does not depend on the
+/// camera.
 class Rectangular final : public TemplateBuilder {
  public:
   static constexpr About kAbout{

@@ -24,7 +24,7 @@ inline constexpr const char* kCollinearMatches =
     "the matches lie on a line or in one place: elsewhere the warp is a guess";
 
 /// Weighted least squares from points [n,2] to values [n,2], px; some weight must be above 0.
-/// Points whose variance across a line is below a millionth of that along it are collinear: these
+/// Points whose variance across a line is below a millionth of that along it are collinear. These
 /// determine a similarity that does not mirror, and points in one place a translation.
 AffineFit fit_affine(const Points2View& points_px, const Points2View& values_px,
                      std::span<const double> weights);

@@ -8,7 +8,7 @@ namespace weft::warps {
 Result<WarpSamples> make_samples(const Points& points) {
   if (points.order < 0 || points.order > 2) {
     return Error{Errc::invalid_value,
-                 "order " + std::to_string(points.order) + " of derivatives: ask for 0, 1 or 2"};
+                 "order " + std::to_string(points.order) + " of derivatives: request 0, 1 or 2"};
   }
   const std::int64_t count = points.xy_px.rows();
   WarpSamples samples;

@@ -17,12 +17,12 @@ constexpr double kNearestCentre = 1e-6;  // in scales: where second derivatives 
 constexpr double kSamePlace_px = 1e-6;
 constexpr float kTinyFloat = 1e-30F;
 constexpr double kGridConditioning = 1e-8;  // added to the kernel between centres
-constexpr double kRidge = 1e-8;             // of the mean diagonal element
+constexpr double kRidge = 1e-8;             // share of the mean diagonal element
 
 using Vector = Eigen::VectorXd;
 
-/// thin_plate_kernels with logarithms in single precision, which take a third of the time: the
-/// values are off by less than 1e-6, where the noise of matches is 1e-3 in the same unit.
+/// thin_plate_kernels with logarithms in single precision, which take a third of the time. The
+/// error of the values is below 1e-6, where the noise of matches is 1e-3 in the same unit.
 Eigen::MatrixXd quick_kernels(const PointColumns& a, const PointColumns& b) {
   Eigen::MatrixXd values(a.rows(), b.rows());
   Eigen::ArrayXf log(a.rows());
@@ -38,7 +38,7 @@ Eigen::MatrixXd quick_kernels(const PointColumns& a, const PointColumns& b) {
 }
 
 /// Coefficients and affine part [l+3,l] of the splines that are 1 at one centre and 0 at the
-/// others: the inverse of [K P; P^T 0] with P = [1 o], but for its last columns.
+/// others. They are the inverse of [K P; P^T 0] with P = [1 o], but for its last columns.
 Eigen::MatrixXd cardinal_splines(const PointColumns& centres) {
   const Eigen::Index l = centres.rows();
   Eigen::MatrixXd bordered = Eigen::MatrixXd::Zero(l + 3, l + 3);
@@ -54,7 +54,7 @@ Eigen::MatrixXd cardinal_splines(const PointColumns& centres) {
 struct Places {
   Points2 points_px, values_px;
   Eigen::VectorXd weights;
-  std::vector<Eigen::Index> place_of;  ///< of each match
+  std::vector<Eigen::Index> place_of;  ///< place of each match
 };
 
 Places merged(const Samples& samples) {
@@ -83,7 +83,7 @@ Places merged(const Samples& samples) {
   return places;
 }
 
-/// Of each match, what its value differs from a spline, given that of the mean in each place.
+/// The difference of each match's value from a spline, given that of the mean in each place.
 PointColumns of_matches(const Samples& samples, const Places& places, const PointColumns& means) {
   PointColumns each(samples.values_px.rows(), 2);
   for (Eigen::Index k = 0; k < each.rows(); ++k) {
@@ -188,7 +188,7 @@ std::optional<Fitted> GridFit::fit(const Samples& samples, double lambda, bool l
   fitted.spline.affine.bottomRows<2>() += plate_.scale * affine.slope;
   fitted.residuals_px = rest_px - design_ * coefficients;
   if (!leave_one_out) return fitted;
-  // Each value's weight in its own place, the affine fit apart.
+  // Each value's weight at its own place; the affine fit is separate.
   const Eigen::MatrixXd half =
       solver.matrixL().solve(cardinal_.transpose() * weighted_.transpose());
   const Vector own = half.colwise().squaredNorm().transpose();

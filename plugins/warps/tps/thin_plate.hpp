@@ -18,8 +18,9 @@ namespace weft::tps {
 warps::WarpAt evaluate(const ThinPlateSpline& spline, const Eigen::RowVector2d& point_px,
                        std::int64_t order);
 
-/// What is fitted: min sum_k w_k |W(p_k) - y_k|^2 + lambda n (bending energy / 16 pi), the energy
-/// in normalised coordinates. Lambda has no unit and means the same for any number n of matches.
+/// The data of the fit: min sum_k w_k |W(p_k) - y_k|^2 + lambda n (bending energy / 16 pi), the
+/// energy in normalised coordinates. Lambda has no unit and means the same for any number n of
+/// matches.
 struct Samples {
   Points2View points_px, values_px;  ///< [n,2]
   std::span<const double> weights;   ///< [n] above 0
@@ -29,7 +30,8 @@ struct Samples {
 struct Fitted {
   ThinPlateSpline spline;
   PointColumns residuals_px;  ///< [n,2] value minus that of the spline
-  PointColumns left_out_px;   ///< [n,2] value minus that of the spline through the others, if asked
+  PointColumns left_out_px;   ///< [n,2] value minus that of the spline through the others, if
+                              ///< requested
 };
 
 /// A centre at each match: the best such map there is, in n^3 operations. Matches in one place
@@ -37,8 +39,9 @@ struct Fitted {
 std::optional<Fitted> fit_at_matches(const Samples& samples, double lambda,
                                      bool leave_one_out = false);
 
-/// Centres on a grid, whatever the matches (Bartoli, Perriollat and Chambon 2010): the map is
-/// linear in its values at the centres, which are fitted. What depends on the grid alone is kept.
+/// Centres on a grid, independent of the matches (Bartoli, Perriollat and Chambon 2010): the map is
+/// linear in its values at the centres, which are fitted. The part that depends on the grid alone
+/// is kept.
 class GridFit {
  public:
   /// Costs only when something differs from the time before. At least 2 x 2 centres.

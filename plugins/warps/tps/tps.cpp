@@ -24,7 +24,7 @@ enum class Centres { grid, matches };
 enum class Smoothing { fixed, leave_one_out };
 
 constexpr int kFoldingSteps = 10;
-constexpr double kLeastLog = -8.0, kLargestLog = 1.0;  // of lambda, for leave_one_out
+constexpr double kLeastLog = -8.0, kLargestLog = 1.0;  // logarithm of lambda, for leave_one_out
 constexpr int kSearchSteps = 14;
 
 /// A thin-plate spline from the texture to the image, with a centre at each match or on a grid.

@@ -4,7 +4,7 @@
 
 namespace {
 
-/// Keeps what moves less than a limit, or what a warp says, and draws scores.
+/// Keeps matches that move less than a limit, relative to a fitted warp, and samples scores.
 struct Small final : weft::Filter {
   static constexpr weft::About kAbout{.needs = "template", .reads = "camera", .random = true};
   double limit_px = 2.0;

@@ -3,7 +3,7 @@
 
 namespace {
 
-/// Says that every other vertex is seen.
+/// Marks every other vertex as visible.
 struct Small final : weft::Pass {
   static constexpr weft::About kAbout{.reads = "previous.shape", .produces = "visibility"};
 

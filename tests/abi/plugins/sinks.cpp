@@ -3,7 +3,7 @@
 
 namespace {
 
-/// Counts what it is given, and says so as its error.
+/// Counts vertices, and reports the count as its error.
 struct Small final : weft::Sink {
   static constexpr weft::About kAbout{.needs = "shape", .reads = "image"};
 

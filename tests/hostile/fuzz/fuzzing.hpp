@@ -12,7 +12,8 @@
 #include <string_view>
 #include <vector>
 
-/// What the fuzzers of readers share: an input as a file, and what an answer must hold.
+/// Shared code of the reader fuzzers: an input as a file, and the conditions that an answer must
+/// meet.
 namespace weft::fuzzing {
 
 /// Ends the program, which libFuzzer takes for a finding, unless `truth` holds.

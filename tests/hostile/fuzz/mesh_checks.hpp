@@ -10,7 +10,7 @@
 
 namespace weft::fuzzing {
 
-/// What read_mesh_file() promises of a mesh.
+/// The guarantees of read_mesh_file() for a mesh.
 inline void require_legal(const mesh::MeshFile& file) {
   require(!file.faces.empty(), "a face");
   for (const auto& position : file.positions) require(position.allFinite(), "finite positions");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Archives of records: refused with their name, or written and read again as the same records. An
-// input is an archive as it stands, or a list of members, so that no checksum keeps what is fuzzed
-// out: a byte with the length of a name, the name, two bytes with a length, so many bytes.
+// input is an archive, or a list of members, so that no checksum hides the fuzzed bytes. A member
+// is a byte with the length of its name, the name, two bytes with a length, and its bytes.
 #include <zip.h>
 
 #include <cstring>
@@ -41,7 +41,7 @@ Members members_of(std::string_view list) {
   return members;
 }
 
-/// The bytes of an archive with these members; names that libzip refuses are left out.
+/// The bytes of an archive with these members; it omits names that libzip refuses.
 std::string packed(const Members& members) {
   zip_source_t* store = zip_source_buffer_create(nullptr, 0, 0, nullptr);
   zip_source_keep(store);

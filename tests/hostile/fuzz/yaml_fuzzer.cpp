@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The strict reader: places inside the text, and what is printed is read again as the same.
+// The strict reader: places are inside the text, and printed text is read again as the same.
 #include "fuzzing.hpp"
 #include "yaml/yaml.hpp"
 
@@ -19,7 +19,7 @@ void check_places(const yaml::Node& node, const fuzzing::Lines& lines) {
   }
 }
 
-/// What a scalar is read as must be one thing only.
+/// A scalar must have one type only.
 void check_types(const yaml::Node& node) {
   if (yaml::as_int64(node))
     require(yaml::as_double(node).has_value(), "a whole number is a number");

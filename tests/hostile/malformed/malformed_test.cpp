@@ -13,8 +13,8 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// Pipeline files with mistakes. Their first comments are what is expected, a line for each
-/// mistake: `# line:column: beginning of the message`.
+/// Pipeline files with errors. Their first comments are the expected messages, a line for each
+/// error: `# line:column: beginning of the message`.
 std::vector<std::string> malformed_files() {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(WEFT_MALFORMED)) {

@@ -29,7 +29,7 @@ Ended weft(std::vector<std::string> words, const std::string& scratch) {
   return Child(std::move(words), scratch).wait();
 }
 
-/// Images of the page, drawn once for all tests.
+/// Images of the page, rendered once for all tests.
 class CalibrateCommand : public ::testing::Test {
  protected:
   static constexpr std::uint64_t kSeed = 20;

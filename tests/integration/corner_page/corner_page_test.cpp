@@ -40,7 +40,7 @@ class CornerPageOfTheCommand : public PipelineTest {
     return Child(std::move(words), path("said")).wait();
   }
 
-  /// Of the photograph of the repository's own sheet.
+  /// Runs `template make` on the repository's own photograph.
   Ended make_sheet(const std::string& out, std::vector<std::string> more = {}) const {
     more.insert(more.end(), {"--camera", WEFT_DATA_FOLDER "/sheet_photo_camera.yaml", "--json"});
     return make(WEFT_DATA_FOLDER "/sheet_photo.jpg", out, more);
@@ -65,7 +65,7 @@ TEST_F(CornerPageOfTheCommand, IsWrittenBesideTheFolderThatIsNotMade) {
   EXPECT_EQ(refused.exit_code, 2) << refused.out;
   const std::string page = path("poster_corners.html");
   EXPECT_THAT(refused.err,
-              AllOf(HasSubstr("no sheet is found"), HasSubstr("open " + page + " in a browser")));
+              AllOf(HasSubstr("no object is found"), HasSubstr("open " + page + " in a browser")));
   EXPECT_FALSE(fs::exists(path("poster")));
   EXPECT_TRUE(read_text(page).starts_with("<!DOCTYPE html>"));
   fs::create_directory(path("empty"));

@@ -72,7 +72,7 @@ test("corners of no sheet are told", () => {
   assert.match(corners.fault_of([a, d, c, b]), /anticlockwise/);
   assert.match(corners.fault_of([a, b, d, c]), /no corners of a rectangle/);
   assert.match(corners.fault_of([a, b, [50, 60], d]), /bottom right/);
-  assert.match(corners.fault_of([a, b, b, d]), /less than 16 px apart/);
+  assert.match(corners.fault_of([a, b, b, d]), /closer than 16 px/);
 });
 
 const texts = {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a first-time user types, and what the program answers.
+// Command lines of a first-time user, and the program's answers.
 #include <gmock/gmock.h>
 
 #include "support/child.hpp"
@@ -26,7 +26,7 @@ class CommandLine : public testing::PipelineTest {
     return Child(words, path("printed")).wait();
   }
 
-  /// What is printed of a command line that is wrong.
+  /// The message for a wrong command line.
   std::string refusal(const std::vector<std::string>& arguments) const {
     const Ended ended = weft(arguments);
     EXPECT_EQ(ended.exit_code, 2) << ended.err;

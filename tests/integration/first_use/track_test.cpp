@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 
 class Track : public testing::ShelledProgram {
  protected:
-  /// Frames of the demo's sheet in the folder frames; the sheet always fills as much of the image.
+  /// Frames of the demo's surface in the folder frames; the surface always fills the same share of
+  /// the image.
   void film_the_sheet(int frames = 4, double focal_px = 820.0) const {
     write(
         "weft: 1\n"
@@ -85,7 +86,7 @@ TEST_F(Track, FindsAFlatObjectInFramesWithoutAPipelineFile) {
   EXPECT_EQ(again.exit_code, 0) << "the pipeline may be changed and run again: " << again.err;
 }
 
-/// Frames say nothing of their camera, and 0.75 longer sides are far from the assumed one.
+/// The frames have no camera data, and 0.75 longer sides are far from the assumed focal length.
 TEST_F(Track, MeasuresTheFocalLengthWhereNothingSaysIt) {
   constexpr double kFocal_px = 480.0, kLongerSide_px = 640.0;
   film_the_sheet(20, kFocal_px);
@@ -221,7 +222,7 @@ TEST_F(Track, SaysWhatIsWrongBeforeAnythingIsWritten) {
   for (const Case& wrong : {
            Case{{"none.avi", "--object", object}, "none.avi", "there is no such file or folder"},
            Case{{"film.avi", "--object", "none.png"}, "none.png", "there is no such file"},
-           Case{{"film.avi", "--object", "object.txt"}, "object.txt", "no picture"},
+           Case{{"film.avi", "--object", "object.txt"}, "object.txt", "no readable image"},
            Case{{"film.avi", "--object", object}, "film.avi", "is no video"},
            Case{{"nothing.mp4", "--object", object}, "nothing.mp4", "is no video"},
            Case{{"empty", "--object", object}, "empty", "holds no images"},

@@ -77,7 +77,7 @@ TEST_F(GrowingFolderRun, WarnsOfAFileThatComesTooLate) {
   EXPECT_EQ(ran.summary->frames, 2);
   ASSERT_EQ(ran.summary->warnings.size(), 1U);
   EXPECT_THAT(ran.summary->warnings[0].text,
-              AllOf(HasSubstr("8.png: sorts before 9.png"), HasSubstr("in which they come")));
+              AllOf(HasSubstr("8.png: sorts before 9.png"), HasSubstr("in which they arrive")));
   EXPECT_EQ(ran.summary->warnings[0].frames, 1);
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands for printer, camera and hands of the reader of docs/tutorials/my-poster-live.md:
-// played_camera BOARD.pdf PRINT.png writes into the working folder what an uncalibrated camera
-// takes of the printed board (board.avi), of the print on a table (poster.jpg) and of the print in
-// two hands that bend it (film.avi), and the truth about all three (truth.json).
+// Simulates printer, camera and hands of the reader of docs/tutorials/my-poster-live.md.
+// `played_camera BOARD.pdf PRINT.png` writes images of an uncalibrated camera into the working
+// folder. They show the printed board (board.avi), the printed poster on a table (poster.jpg), and
+// the poster bent by two hands (film.avi). The program also writes the truth about all three
+// (truth.json).
 #include <cmath>
 #include <cstdint>
 #include <fstream>
@@ -51,7 +52,7 @@ class Film {
   cv::VideoWriter writer_;
 };
 
-/// The board, held by somebody who does it well.
+/// The board as a careful user holds it.
 void film_board(const std::string& pdf_file, Rng& rng) {
   constexpr int kPxPerMm = 8, kViews = 24;
   constexpr double kFps = 5.0, kDistance_m = 0.4;

@@ -143,7 +143,7 @@ test("words tell a run that ended from a network that is down", () => {
   assert.match(offline_words(null, "host:8090"), /host:8090.*token=/);
   assert.match(offline_words({ code: 1001, reason: "" }, ""), /^The run has ended/);
   assert.match(offline_words({ code: 1006, reason: "" }, ""), /lost/);
-  assert.match(offline_words({ code: 1008, reason: "too many wishes" }, ""), /too many wishes/);
+  assert.match(offline_words({ code: 1008, reason: "too many requests" }, ""), /too many requests/);
   assert.match(silent_words(8), /^Connected; no frame for 8 s: .*source/);
   assert.match(behind_words(8), /^Connected; behind by 8 s: .*browser/);
   assert.deepEqual([1000, 1001, 1006].map((code) => has_ended({ code })), [true, true, false]);

@@ -17,9 +17,9 @@ const kPolicy =
 const kToken = "a token of sixteen";
 
 export class PlayedRun {
-  wishes = []; // texts, in the order in which they came
-  most_wishes_under_way = 0;
-  /** What becomes of a wish: a refusal, or "" where it is granted. */
+  requests = []; // texts, in the order in which they came
+  most_requests_under_way = 0;
+  /** What becomes of a change request: a refusal, or "" where it is granted. */
   judge = () => "";
   /** Answers at once, or only when the test says so. */
   answers_at_once = true;
@@ -75,7 +75,7 @@ export class PlayedRun {
     for (const client of this.#clients.keys()) this.#offer(client);
   }
 
-  /** A setting has another value, whoever wished for it. */
+  /** A setting has another value, whichever client requested it. */
   change(setting, value) {
     const { settings } = this.hello;
     const parameter = settings.stages
@@ -87,7 +87,7 @@ export class PlayedRun {
     }
   }
 
-  /** The run pauses or goes on, whoever wished for it. */
+  /** The run pauses or goes on, whichever client requested it. */
   pause(paused, frame, more = {}) {
     this.say({ type: "pause", paused, frame, ...more });
   }
@@ -102,7 +102,7 @@ export class PlayedRun {
     for (const client of this.#clients.keys()) client.terminate();
   }
 
-  /** Answers the oldest wish that has no answer. */
+  /** Answers the oldest request that has no answer. */
   answer(refusal = "") {
     const { client, number, text } = this.#unanswered.shift();
     const set = /^set ([^=]+)=(.*)$/s.exec(text);
@@ -128,7 +128,7 @@ export class PlayedRun {
       if (!this.#clients.has(client)) return; // the run has ended
       const message = JSON.parse(data);
       if (message.type === "ready") this.#ready(client);
-      else this.#wish(client, message);
+      else this.#take_request(client, message);
     });
     client.send(JSON.stringify(this.hello));
   }
@@ -148,11 +148,11 @@ export class PlayedRun {
     client.send(this.#newest);
   }
 
-  #wish(client, { type, number, text }) {
-    assert.equal(type, "wish");
-    this.wishes.push(text);
+  #take_request(client, { type, number, text }) {
+    assert.equal(type, "change_request");
+    this.requests.push(text);
     this.#unanswered.push({ client, number, text });
-    this.most_wishes_under_way = Math.max(this.most_wishes_under_way, this.#unanswered.length);
+    this.most_requests_under_way = Math.max(this.most_requests_under_way, this.#unanswered.length);
     if (this.answers_at_once) this.answer(this.judge(text));
   }
 }

@@ -6,16 +6,16 @@ import { eventually, pause, use_live_page } from "./live_page.mjs";
 await use_live_page(async (live) => {
   const { page, run } = live;
 
-  // A slider by keyboard: its wish is sent, its answer stands beside it.
+  // A slider by keyboard: its request is sent, its answer stands beside it.
   const control = (setting, part) => `[data-setting="${setting}"] ${part}`;
   const value_of = (setting, part) => page.$eval(control(setting, part), (one) => one.value);
   await page.focus(control("filters.alpha_s", "input[type=range]"));
   await page.keyboard.press("ArrowRight");
   await live.until_text(control("filters.alpha_s", ".outcome"), "from frame 313 on");
-  assert.deepEqual(run.wishes.splice(0), ["set filters.alpha_s=0.151"]);
+  assert.deepEqual(run.requests.splice(0), ["set filters.alpha_s=0.151"]);
   assert.equal(await value_of("filters.alpha_s", "input[type=number]"), "0.151");
 
-  // Of many movements the last one holds, and one wish at most is under way.
+  // Of many movements the last one holds, and one request at most is under way.
   run.answers_at_once = false;
   for (let i = 0; i < 40; ++i) {
     await page.keyboard.press("ArrowRight");
@@ -23,15 +23,15 @@ await use_live_page(async (live) => {
   }
   const alpha = control("filters.alpha_s", "input[type=number]");
   await live.until((one) => document.querySelector(one).value === "0.191", alpha);
-  const waits = (count) => eventually(() => run.wishes.length >= count, `${count} wishes`);
+  const waits = (count) => eventually(() => run.requests.length >= count, `${count} requests`);
   await waits(1);
   run.answer();
   await waits(2);
   run.answer();
-  assert.equal(run.wishes.at(-1), "set filters.alpha_s=0.191");
-  assert.equal(run.most_wishes_under_way, 1);
+  assert.equal(run.requests.at(-1), "set filters.alpha_s=0.191");
+  assert.equal(run.most_requests_under_way, 1);
   run.answers_at_once = true;
-  run.wishes.length = 0;
+  run.requests.length = 0;
 
   // A refusal stands beside the control, which goes back to what holds.
   run.judge = () => "radius_px is 1 to 1000 px; this is -5";
@@ -44,23 +44,23 @@ await use_live_page(async (live) => {
   await live.until_text(control("filters.radius_px", ".outcome"), "refused: radius_px is 1 to");
   assert.equal(await value_of("filters.radius_px", "input"), "60");
   run.judge = () => "";
-  run.wishes.length = 0;
+  run.requests.length = 0;
 
-  // Every kind of control wishes in its way, and goes back to its default.
+  // Every kind of control requests in its way, and goes back to its default.
   await page.select(control("filters.warp.robust", "select"), "tukey");
   await type("filters.scales", "1, 2, 4");
   await page.click(control("detectors.upright", "input"));
   await waits(3);
-  assert.deepEqual(run.wishes.toSorted(), [
+  assert.deepEqual(run.requests.toSorted(), [
     "set detectors.upright=false",
     "set filters.scales=[1, 2, 4]",
     'set filters.warp.robust="tukey"',
   ]);
   await live.until_text("details:nth-of-type(2) .changes", "3 changed");
-  run.wishes.length = 0;
+  run.requests.length = 0;
   await page.click(control("filters.scales", ".undo"));
   await waits(1);
-  assert.deepEqual(run.wishes.splice(0), ["set filters.scales=[1, 2]"]);
+  assert.deepEqual(run.requests.splice(0), ["set filters.scales=[1, 2]"]);
   assert.equal(await value_of("filters.warp", "output"), "warps/bbs");
 
   // What somebody else changes is seen here; what cannot change says why.
@@ -82,7 +82,7 @@ await use_live_page(async (live) => {
   await other.select(robust, "none");
   await live.until(shows, robust, "none");
   await other.close();
-  run.wishes.length = 0;
+  run.requests.length = 0;
 
   // The search finds settings by name, help and stage.
   await page.type("#search", "neighbour");
@@ -100,7 +100,7 @@ await use_live_page(async (live) => {
   for (const command of ["pause", "step", "resume"]) {
     await page.click(`[data-command=${command}]`);
     await waits(1);
-    assert.deepEqual(run.wishes.splice(0), [command]);
+    assert.deepEqual(run.requests.splice(0), [command]);
   }
   await live.until_text("#outcome", "Running from frame 313 on");
   run.pause(true, 320);
@@ -112,5 +112,5 @@ await use_live_page(async (live) => {
   await page.click("#stop");
   await page.click("#stopping button[value=stop]");
   await waits(1);
-  assert.deepEqual(run.wishes.splice(0), ["stop"]);
+  assert.deepEqual(run.requests.splice(0), ["stop"]);
 });

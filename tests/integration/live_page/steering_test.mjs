@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// steering_test.mjs WEB: what the live page makes of declarations, and how wishes go their way.
+// steering_test.mjs WEB: what the live page makes of declarations, and how requests go their way.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { close, module_loader } from "./modules.mjs";
 
 const load = module_loader(process.argv[2]);
 const parameters = await load("parameters");
-const { Wishes } = await load("wishes");
+const { ChangeRequests } = await load("change_requests");
 const { socket_address } = await load("connection");
 
 test("a slider gives each value that it shows", () => {
@@ -44,19 +44,19 @@ test("what has no two bounds, or is no number, has no slider", () => {
   );
 });
 
-test("a wish holds what weft run --set takes", () => {
-  const wished = parameters.wished_value;
-  assert.equal(wished({ type: "f64" }, " 1e-7 "), "1e-7");
-  assert.equal(wished({ type: "i64" }, "9007199254740993"), "9007199254740993");
-  assert.equal(wished({ type: "f64" }, ""), null);
-  assert.equal(wished({ type: "f64" }, "x"), null);
-  assert.equal(wished({ type: "bool" }, "true"), "true");
-  assert.equal(wished({ type: "choice" }, "huber"), '"huber"');
-  assert.equal(wished({ type: "text" }, 'a "b": #c'), '"a \\"b\\": #c"');
-  assert.equal(wished({ type: "f64", is_vector: true }, "[1, 2.5 ,3]"), "[1, 2.5, 3]");
-  assert.equal(wished({ type: "f64", is_vector: true }, ""), "[]");
-  assert.equal(wished({ type: "f64", is_vector: true }, "1, x"), null);
-  assert.equal(wished({ type: "choice", is_vector: true }, "a, b"), '["a", "b"]');
+test("a change request holds what weft run --set takes", () => {
+  const requested = parameters.requested_value;
+  assert.equal(requested({ type: "f64" }, " 1e-7 "), "1e-7");
+  assert.equal(requested({ type: "i64" }, "9007199254740993"), "9007199254740993");
+  assert.equal(requested({ type: "f64" }, ""), null);
+  assert.equal(requested({ type: "f64" }, "x"), null);
+  assert.equal(requested({ type: "bool" }, "true"), "true");
+  assert.equal(requested({ type: "choice" }, "huber"), '"huber"');
+  assert.equal(requested({ type: "text" }, 'a "b": #c'), '"a \\"b\\": #c"');
+  assert.equal(requested({ type: "f64", is_vector: true }, "[1, 2.5 ,3]"), "[1, 2.5, 3]");
+  assert.equal(requested({ type: "f64", is_vector: true }, ""), "[]");
+  assert.equal(requested({ type: "f64", is_vector: true }, "1, x"), null);
+  assert.equal(requested({ type: "choice", is_vector: true }, "a, b"), '["a", "b"]');
 });
 
 test("ranges and defaults have words", () => {
@@ -79,8 +79,8 @@ test("paths and components are shown, not changed", () => {
   assert.equal(parameters.kind_of({ type: "f64", is_vector: true }), "list");
 });
 
-/** Wishes whose moments the test ends. */
-function wishes_by_hand() {
+/** Change requests whose moments the test ends. */
+function requests_by_hand() {
   const sent = [],
     timers = new Map();
   let next = 0,
@@ -98,24 +98,25 @@ function wishes_by_hand() {
     timers.clear();
     for (const work of due) work();
   };
-  return { wishes: new Wishes(send, later), sent, pass, connect: (value) => (connected = value) };
+  const requests = new ChangeRequests(send, later);
+  return { requests, sent, pass, connect: (value) => (connected = value) };
 }
 
-test("of wishes in quick succession the last is sent", () => {
-  const { wishes, sent, pass } = wishes_by_hand();
-  for (let i = 0; i < 9; ++i) wishes.want("a", `set a=${i}`, () => {});
-  wishes.want("b", "set b=1", () => {});
+test("of requests in quick succession the last is sent", () => {
+  const { requests, sent, pass } = requests_by_hand();
+  for (let i = 0; i < 9; ++i) requests.want("a", `set a=${i}`, () => {});
+  requests.want("b", "set b=1", () => {});
   assert.deepEqual(sent, []);
   pass();
   assert.deepEqual(sent.map(({ text }) => text), ["set a=8", "set b=1"]);
   assert.notEqual(sent[0].number, sent[1].number);
 });
 
-test("one wish at most is under way, and the last one follows its answer", () => {
-  const { wishes, sent, pass } = wishes_by_hand();
+test("one request at most is under way, and the last one follows its answer", () => {
+  const { requests, sent, pass } = requests_by_hand();
   const told = [];
   const want = (value) =>
-    wishes.want("a", `set a=${value}`, ({ outcome }) => told.push(value, outcome));
+    requests.want("a", `set a=${value}`, ({ outcome }) => told.push(value, outcome));
   want(1);
   pass();
   want(2);
@@ -123,38 +124,38 @@ test("one wish at most is under way, and the last one follows its answer", () =>
   want(3);
   pass();
   assert.equal(sent.length, 1);
-  assert.equal(wishes.pending("a"), true);
-  wishes.answer({ number: sent[0].number, frame: 5, refusal: "" });
+  assert.equal(requests.pending("a"), true);
+  requests.answer({ number: sent[0].number, frame: 5, refusal: "" });
   assert.deepEqual(sent.map(({ text }) => text), ["set a=1", "set a=3"]);
-  wishes.answer({ number: sent[1].number, frame: 6, refusal: "too large" });
+  requests.answer({ number: sent[1].number, frame: 6, refusal: "too large" });
   assert.deepEqual(told, [1, "sent", 1, "granted", 3, "sent", 3, "refused"]);
-  assert.equal(wishes.pending("a"), false);
-  wishes.answer({ number: sent[1].number, frame: 6, refusal: "" }); // told once
+  assert.equal(requests.pending("a"), false);
+  requests.answer({ number: sent[1].number, frame: 6, refusal: "" }); // told once
   assert.equal(told.length, 8);
 });
 
 test("commands do not wait for each other", () => {
-  const { wishes, sent } = wishes_by_hand();
-  for (let i = 0; i < 3; ++i) wishes.now("step", () => {});
+  const { requests, sent } = requests_by_hand();
+  for (let i = 0; i < 3; ++i) requests.now("step", () => {});
   assert.deepEqual(sent.map(({ text }) => text), ["step", "step", "step"]);
 });
 
-test("a wish without a connection says so", () => {
-  const { wishes, sent, pass, connect } = wishes_by_hand();
+test("a change request without a connection says so", () => {
+  const { requests, sent, pass, connect } = requests_by_hand();
   const told = [];
-  const want = () => wishes.want("a", "set a=1", ({ outcome }) => told.push(outcome));
+  const want = () => requests.want("a", "set a=1", ({ outcome }) => told.push(outcome));
   want();
   pass();
   want();
   pass(); // waits for the first one's answer
-  wishes.lose();
+  requests.lose();
   assert.deepEqual(told, ["sent", "unsent", "unsent"]);
   connect(false);
   want();
   pass();
   assert.deepEqual(told, ["sent", "unsent", "unsent", "unsent"]);
   assert.equal(sent.length, 1);
-  assert.equal(wishes.pending("a"), false);
+  assert.equal(requests.pending("a"), false);
 });
 
 test("the token goes from the page's address to the socket's", () => {

@@ -66,8 +66,8 @@ TEST_F(Program, AnInterruptBeforeTheFirstFrameIsNoErrorAndLeavesNoFolder) {
   EXPECT_FALSE(fs::exists(path("run")));
 }
 
-/// Where an interrupt may fall: in the call with this number of a component with a gate. Sinks of a
-/// frame that is through are not told to stop: they pass the gate as it opens.
+/// The place of an interrupt: the call with this number of a component with a gate. Sinks of a
+/// completed frame are not cancelled: they pass the gate when it opens.
 struct Interrupted {
   std::string role, mode;
   int calls;           ///< that pass the gate before
@@ -78,7 +78,7 @@ class InterruptedProgram
     : public Program,
       public ::testing::WithParamInterface<std::tuple<std::string, Interrupted>> {
  protected:
-  /// Whether no such signal waits for the process any more.
+  /// True if no such signal is pending for the process any more.
   static bool has_heard(pid_t process, int signal) {
     for (const std::string& line : read_lines("/proc/" + std::to_string(process) + "/status")) {
       if (!line.starts_with("ShdPnd:")) continue;
@@ -148,7 +148,7 @@ TEST_F(Program, RunsThatBeginTogetherGetFoldersOfTheirOwn) {
     }
     return names;
   };
-  // All of them wait for their source by then.
+  // All of them wait for their source now.
   ASSERT_TRUE(comes_true([&] { return folders().size() == children.size(); }));
   fs::remove(path("gate"));
   for (const auto& child : children) {

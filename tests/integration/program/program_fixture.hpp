@@ -12,7 +12,7 @@
 
 namespace weft::testing {
 
-/// The program as a user starts it, in a folder of its own, with the scripted components.
+/// The program as a user starts it, in a separate folder, with the scripted components.
 class Program : public PipelineTest {
  protected:
   std::vector<std::string> command(const std::vector<std::string>& arguments) const {
@@ -41,7 +41,7 @@ class Program : public PipelineTest {
     return false;
   }
 
-  /// Waits until the run has written so many frames; false when it takes too long.
+  /// Waits until the run has written this number of frames; false when it takes too long.
   bool wait_for_frames(std::size_t count) const {
     return comes_true([&] { return read_lines(path("run/frames.jsonl")).size() >= count; });
   }

@@ -48,7 +48,7 @@ TEST_F(Program, NeverMakesAFolderThatIsNamedLikeTheHomeFolder) {
   }
   const Ended other = at_home("--out=~else/d");
   EXPECT_EQ(other.exit_code, 2);
-  EXPECT_THAT(other.err, HasSubstr("of which only ~/ (your home folder) is expanded"));
+  EXPECT_THAT(other.err, HasSubstr("but only ~/ (your home folder) is expanded"));
   for (const auto& entry : fs::directory_iterator(folder_)) {
     EXPECT_THAT(entry.path().filename().string(), Not(StartsWith("~")));
     EXPECT_THAT(entry.path().filename().string(), Not(StartsWith("$")));
@@ -141,7 +141,7 @@ TEST_F(Program, HelpsWithTypesAndExitCodes) {
   const std::string eval = help({"eval"});
   EXPECT_THAT(eval, HasSubstr("--alignment none|scale|rigid|all (default: none)"));
   EXPECT_THAT(eval, HasSubstr("one after another, into metrics.json, metrics_scale.json and "));
-  EXPECT_THAT(eval, HasSubstr("takes neither --json nor --csv"));
+  EXPECT_THAT(eval, HasSubstr("without --json and --csv"));
   EXPECT_THAT(eval, HasSubstr("--match-tolerance-px PX (default: 2)"));
   EXPECT_THAT(eval, HasSubstr("Exit codes:\n  0  measured\n"));
   for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{

@@ -30,9 +30,9 @@ namespace weft::lab {
 /// top of these each sequence k (from 0) adds k/10 mm and each frame t t/100 mm. The last frame of
 /// `shaky` is missing in the first sequence.
 ///
-/// `steady` is right in all frames and says 0.95, in the second half 0.85; `shaky` says 0.65 and
-/// 0.55 and is wrong in the second half of every other sequence, silently in the last frame. Of 63
-/// vertices 42, 60 and 63 are within 1, 2 and 3 standard deviations.
+/// `steady` has no errors and confidence 0.95, in the second half 0.85. `shaky` has confidence 0.65
+/// and 0.55. It is wrong in the second half of every other sequence, silently in the last frame.
+/// Within 1, 2 and 3 standard deviations are 42, 60 and 63 of 63 vertices.
 class FakeResults {
  public:
   static constexpr int kFrames = 10;
@@ -42,7 +42,7 @@ class FakeResults {
     int sequences = 8;
     std::vector<std::uint64_t> seeds = {1, 2};
     bool timing = false;
-    bool old_times = false;  ///< as of programs that took no processor time of detectors
+    bool old_times = false;  ///< without CPU times of detectors, as earlier programs wrote them
     bool shapes = false;
     bool errors = false;  ///< in two frames of each cell of `shaky`, which is done all the same
     std::string data_use = "reporting";
@@ -231,7 +231,7 @@ class FakeResults {
     return certainty;
   }
 
-  /// A sheet that waves in time; the estimate stands off the truth by a multiple of the error.
+  /// A surface that waves in time; the estimate differs from the truth by a multiple of the error.
   static void write_shapes(const std::string& folder) {
     const Template sheet = testing::make_template({9, 7, 0.3, 0.2, 150, 100});
     host::NamedRecords records{{"template", host::Record::copy_of(sheet)}};

@@ -22,7 +22,7 @@ inline std::string chunk(const std::string& id, const std::string& bytes) {
   return id + u32(bytes.size()) + bytes + std::string(bytes.size() % 2, '\0');
 }
 
-/// An AVI file whose n-th picture is the given one, or the JPEG marker and n times the letter p.
+/// An AVI file whose n-th image is the given one, or the JPEG marker and n times the letter p.
 inline std::string video(int pictures, const std::string& picture = "") {
   std::string movi = "movi";
   for (int i = 0; i < pictures; ++i) {
@@ -64,9 +64,9 @@ inline void write_eight_frames(TestRun& run, bool real_pictures = false) {
   run.write_text("pipeline.yaml", "weft: 1\n");
 }
 
-/// Eight patches on the print of each frame with a shape: in frame t, t of them are displaced
-/// by 2.5 mm, the others by 0.5 mm, and the last one is not found. Frame 6 has an unwarped image as
-/// PNG, frame 3 as JPEG.
+/// Eight texture patches in each frame with a shape. In frame t, t of them are displaced by 2.5 mm
+/// and the others by 0.5 mm; the last one is not found. Frame 6 has an unwarped image as PNG, frame
+/// 3 as JPEG.
 inline void compare_with_print(TestRun& run) {
   constexpr int kPatches = 8;
   std::map<std::uint64_t, Registration> frames;

@@ -18,7 +18,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 using ::testing::SizeIs;
 
-/// What the figures of a folder draw.
+/// The content of a folder's figures.
 struct Drawn {
   explicit Drawn(const FakeResults& fake) {
     auto read = read_results(fake.folder());

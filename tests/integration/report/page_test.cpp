@@ -18,7 +18,7 @@ void use_page(const std::string& script, const std::string& page, const std::str
   EXPECT_EQ(used.exit_code, 0) << used.out << used.err;
 }
 
-/// What is absent of what opens a page, or nothing.
+/// Prerequisites for opening a page that are absent, or nothing.
 std::string absent() {
   for (const char* file : {WEFT_REPORT_ASSETS "/report.js", WEFT_WEB "/node_modules/puppeteer-core",
                            "/usr/bin/chromium", "/usr/bin/node"}) {

@@ -440,7 +440,7 @@ TEST(Report, DrawsTheRatesOfFiltersForAPaperWhereNothingIsSolved) {
   EXPECT_EQ(filter_figure(results, tables), "");
 }
 
-/// Where programs are looked for, with one `rsvg-convert` that does what a script says, or none.
+/// The search path of programs, with one `rsvg-convert` that runs a script, or none.
 class Programs {
  public:
   Programs(const std::string& folder, const std::string& script) {

@@ -35,7 +35,7 @@ TEST(RunReport, SaysHowFarOffARunIsAndWhereAndWhy) {
   const RunData data = read(run);
   EXPECT_THAT(
       sentences_of(data),
-      ElementsAre("7 of 8 frames have a shape of their own; 1 has none.",
+      ElementsAre("7 of 8 frames have an estimated shape; 1 has none.",
                   "The mean 3D error is 3 mm over 7 frames with truth; the worst, frame 6, is "
                   "off by 6 mm. 1 of 8 frames with truth failed.",
                   "The stages of a frame take 6 ms (median), 5 of them solvers.",

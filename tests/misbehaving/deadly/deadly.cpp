@@ -63,14 +63,14 @@ struct InUse {
   ~InUse() { write_where_nothing_is(); }
 };
 
-/// Calls itself until the stack is full: only the caller knows that `more` never changes.
+/// Calls itself until the stack is full. The compiler cannot infer that `more` never changes.
 int fill_the_stack(const volatile bool& more) {
   volatile char room[4096];
   room[0] = 1;
   return (more ? fill_the_stack(more) : 0) + room[0];
 }
 
-/// Writes into every socket of the process, one of which leads to the host.
+/// Writes into every socket of the process; one of them leads to the host.
 void scribble() {
   for (int file = 3; file < 64; ++file) {
     const char nonsense[64] = "neither head nor tail";
@@ -78,8 +78,8 @@ void scribble() {
   }
 }
 
-/// A process that holds all files of this one for an hour; `apart`, in a session of its own and
-/// below another parent.
+/// A process that keeps all files of this one open for an hour; `detached`: in a separate session
+/// and below another parent.
 void leave_a_process(const std::string& name, bool detached) {
   if (fork() != 0) return;
   if (detached) setsid();
@@ -96,7 +96,7 @@ void print_much() {
   std::fflush(stdout);
 }
 
-/// Keeps every match until it is time for its deed.
+/// Keeps every match until it performs its action.
 class Deadly final : public weft::Filter {
  public:
   explicit Deadly(weft::Params& p) {
@@ -201,7 +201,7 @@ class Deadly final : public weft::Filter {
   bool prepared_ = false;
 };
 
-/// Leaves when it is asked about its parameters.
+/// Ends the process during the check of its parameters.
 class Leaving final : public weft::Filter {
  public:
   explicit Leaving(weft::Params& p) { p.read("at_once", at_once_, "by _exit()"); }
@@ -219,7 +219,7 @@ class Leaving final : public weft::Filter {
   bool at_once_ = false;
 };
 
-/// Tells where a warp that another component made takes the template's third vertex.
+/// Reports where a warp that another component made maps the template's third vertex.
 class Reader final : public weft::Pass {
  public:
   static constexpr weft::About kAbout{.needs = "warp", .produces = "visibility"};

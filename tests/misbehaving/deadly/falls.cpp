@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does what WEFT_FALLS says as soon as it is loaded, or as its component is made.
+// Performs the fault that WEFT_FALLS names when it is loaded, or when its component is created.
 #include <signal.h>
 
 #include <cstdio>

@@ -17,7 +17,7 @@ PlacedArray array(const char* name, std::int32_t dtype, std::uint64_t offset) {
   return {name, dtype, 1, {kMatches}, {}, offset};
 }
 
-/// What an honest filter would answer.
+/// The reply of a correct filter.
 ReplyMessage honest() {
   ReplyMessage reply;
   reply.outputs = {{"inlier_mask",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Libraries that were built with a sanitizer, of which a program without it knows before it loads
+// Libraries that were built with a sanitizer: a program without it detects them before it loads
 // them. tests/abi/pairings builds real ones.
 #include "host/loading/sanitizer.hpp"
 

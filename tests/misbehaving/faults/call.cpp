@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The host that a plugin sees: the real one, behind functions that know what was asked for.
+// The host that a plugin sees: functions that record each request and call the real host.
 #include <algorithm>
 
 #include "faults.hpp"
@@ -84,7 +84,7 @@ PassedCall::PassedCall(const weft_call& given) : call{}, original(given), host{}
   host.log = log;
   host.invoke = invoke;
   host.adopt = adopt;
-  // The only function that is not told which call it is about, and the last one of an older host.
+  // The only function that gets no call as an argument, and the last one of an older host.
   constexpr std::size_t kEnd = offsetof(weft_host, get_extension) + sizeof(void*);
   if (theirs.struct_size >= kEnd) host.get_extension = theirs.get_extension;
   call.host = &host;

@@ -18,7 +18,7 @@
 namespace weft::faults {
 namespace {
 
-/// Calls itself until the stack is full: only the caller knows that `more` never changes.
+/// Calls itself until the stack is full. The compiler cannot infer that `more` never changes.
 int fill_the_stack(const volatile bool& more) {
   volatile char room[4096];
   room[0] = 1;
@@ -33,7 +33,7 @@ void read_beyond_a_file() {
   static_cast<void>(read);
 }
 
-/// By the processor: no sanitizer checks it.
+/// The CPU traps the division: no sanitizer checks it.
 [[gnu::no_sanitize("undefined")]] void divide(const volatile int& number,
                                               const volatile int& nothing) {
   const volatile int result = number / nothing;

@@ -14,7 +14,7 @@
 
 namespace weft::faults {
 
-/// Whether this is the fault to make, which WEFT_FAULT names.
+/// True if WEFT_FAULT names this fault.
 bool has(std::string_view fault);
 
 /// The component that is called unless a fault is made: the only one of the library that
@@ -24,16 +24,16 @@ const weft_component& original();
 /// A filter without a fault: it has two numbers and a choice, which change its evidence.
 const weft_component& plain_filter();
 
-/// What is remembered of one instance.
+/// The state of one instance.
 struct Instance {
   bool is_prepared = false;
-  int number = 0;  ///< of the instances of this process, from 0
+  int number = 0;  ///< index among the instances of this process, from 0
   int calls = 0;
   std::uint64_t last_inputs = 0;  ///< a hash of their contents
   std::thread::id creator;
   const volatile unsigned char* kept_input = nullptr;
 };
-/// Of what the original's create gave; made when it is first needed.
+/// The state for an instance that the original's create() returned; made on first use.
 Instance& instance_of(void* self);
 void forget_instance(void* self);
 std::size_t instance_count();
@@ -60,16 +60,16 @@ struct PassedCall {
   const weft_call& original;
   weft_host host;
   std::vector<Output> outputs;
-  std::vector<std::vector<unsigned char>> replacements;  ///< in place of what the host refused
+  std::vector<std::vector<unsigned char>> replacements;  ///< for arrays that the host refused
 };
 
 using Inputs = std::vector<weft_record>;
 
 std::size_t element_bytes(std::int32_t dtype);
-std::size_t row_bytes(const weft_array& array);  ///< of one step along axis 0, without padding
+std::size_t row_bytes(const weft_array& array);  ///< one step along axis 0, without padding
 std::int64_t rows(const weft_array& array);
 const weft_array* find_array(const Inputs& inputs, std::string_view array);
-double value_at(const weft_array& array, std::int64_t row, std::int64_t column);  ///< of f64
+double value_at(const weft_array& array, std::int64_t row, std::int64_t column);  ///< f64 only
 std::uint64_t hash_of(const Inputs& inputs);
 
 void write_where_nothing_is();
@@ -89,7 +89,7 @@ void destroy(void* self);
 
 /// Faults of frame 1 that end the process or the call; returns WEFT_OK where the call goes on.
 std::int32_t end_in_frame_1(weft_error& error);
-/// Whether rounding or locale are others than the host guarantees at the beginning of a call.
+/// True if rounding mode or locale differ from those that the host guarantees when a call begins.
 bool is_mode_changed();
 /// Before a call; may change what the original sees of the inputs.
 struct PaddingIgnored {

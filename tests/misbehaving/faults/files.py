@@ -152,7 +152,7 @@ OF_FILES = [
     refused("manifest_large", with_manifest("weft_plugin: 1\nabi: " + "x" * (80 << 20)),
             "its manifest cannot be read", DESCRIBE),
     refused("manifest_2", edited("weft_plugin: 1", "weft_plugin: 2"),
-            "is of another manifest version", DESCRIBE),
+            "has another manifest version", DESCRIBE),
     accepted("manifest_unknown_keys", with_unknown_keys),
     refused("no_components", edited("components:", "components: []\nothers:"),
             "'components' is empty", DESCRIBE),

@@ -111,7 +111,7 @@ void distort_geometry(std::vector<Output>& outputs, const Inputs& inputs) {
   }
   distort_derivatives(outputs);
   if (has("depends_on_match_order") && image_px != nullptr) {
-    for (Output& output : outputs) {  // what a warp is fitted with
+    for (Output& output : outputs) {  // the parameters of a fitted warp
       if (!output.array.starts_with("model.") || output.dtype != WEFT_F64 || output.bytes() < 8)
         continue;
       auto* numbers = reinterpret_cast<double*>(output.data);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is done with inputs, and what makes an answer another one than it should be.
+// Faults in the use of inputs, and conditions that make an answer wrong.
 #include <time.h>
 #include <unistd.h>
 
@@ -61,7 +61,7 @@ bool is_declared(std::string_view slot) {
   return all.find(" " + std::string(slot) + " ") != std::string::npos;
 }
 
-/// Whether a record has more arrays than it had when it was seen first.
+/// True if a record has more arrays than when it was first seen.
 bool has_grown(const Inputs& inputs) {
   static std::map<std::string, std::uint64_t> first;
   return std::any_of(inputs.begin(), inputs.end(), [&](const weft_record& record) {

@@ -27,7 +27,7 @@ std::string setting(const char* name) {
   return value != nullptr ? value : "";
 }
 
-/// Of the library that is changed; null, with a line that says why, where it cannot be loaded.
+/// The table of the library to change. If it cannot be loaded, prints the reason and returns null.
 const weft_library_table* load_original() {
   static const weft_component* const kPlain = &plain_filter();
   static const weft_library_table kOwn{WEFT_ABI_MAGIC,

@@ -97,8 +97,8 @@ OF_TABLES = [
     damaged("null_prepare", "component 0: one of its functions is null"),
     damaged("null_process", "component 0: one of its functions is null"),
     damaged("null_destroy", "component 0: one of its functions is null"),
-    *[Case(name, [Ask("why", "asks for what this version of Weft cannot do; install a newer", 2),
-                    Ask("run", "asks for what this version of Weft cannot do; install a newer", 2)])
+    *[Case(name, [Ask("why", "requires a feature that this version of Weft lacks; install a newer", 2),
+                    Ask("run", "requires a feature that this version of Weft lacks; install a newer", 2)])
       for name in ("flag_high", "library_flag_high")],
     Case("illegal_id", [
         Ask("describe", "its id 'Filters Case' is not of the form role/name", 3),

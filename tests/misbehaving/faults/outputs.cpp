@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is done to answers that have been made.
+// Faults in complete answers.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -77,7 +77,7 @@ void spoil_numbers(std::vector<Output>& outputs) {
   }
 }
 
-/// Says so in an array of its own where there is none.
+/// Sets an invalid confidence, in a new array if there is none.
 void claim_confidence(PassedCall& passed) {
   if (Output* made = find(passed.outputs, "confidence")) {
     reals(*made)[0] = 1.5;

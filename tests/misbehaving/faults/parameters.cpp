@@ -11,7 +11,7 @@
 namespace weft::faults {
 namespace {
 
-/// What a component declares of one parameter.
+/// The declaration of one parameter.
 struct Declared {
   std::string name;
   std::int32_t type;
@@ -70,14 +70,14 @@ const Declared* find(const std::vector<Declared>& declared, const char* name) {
   return found != declared.end() ? &*found : nullptr;
 }
 
-/// Of the first bounded number that an instance was given, in the whole process.
+/// Replaces later values of the first bounded number in this process by its first value.
 void keep_first(Given& given) {
   static const std::string name = given.value.name;
   static const double first = number_in(given.value);
   if (name == given.value.name) set_number(given, first);
 }
 
-/// Whether the plugin shall see this value.
+/// True if the plugin receives this value.
 bool pass_on(Given& given, const Declared& declared) {
   const std::int32_t type = given.value.type;
   if (has("accepts_wrong_type") && type != declared.type) return false;
@@ -98,7 +98,7 @@ bool pass_on(Given& given, const Declared& declared) {
   return true;
 }
 
-/// Whether two numbers lie in the upper halves of their ranges.
+/// True if two numbers are in the upper halves of their ranges.
 bool is_in_corner(const std::vector<Declared>& declared, const weft_create& with) {
   int high = 0;
   for (std::uint64_t i = 0; i < with.count; ++i) {

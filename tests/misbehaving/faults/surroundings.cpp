@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is done to the process that all share.
+// Faults that change the shared state of the process.
 #include <fcntl.h>
 #include <pthread.h>
 #include <stdlib.h>

@@ -41,7 +41,7 @@ class Cubic {
  private:
   static constexpr double kLength_px = 480.0;
 
-  /// Of u^p, derived `order` times.
+  /// The derivative of u^p of this order.
   static double power(double u, int p, int order) {
     double factor = 1.0;
     for (int k = 0; k < order; ++k) factor *= p - k;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Components that are right about geometry, and break one of its laws when they are told: the flaw
-// names the law.
+// Components that are correct about geometry. On demand they break one of its laws: the flaw names
+// the law.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -250,7 +250,7 @@ class Pass final : public weft::Pass {
   Flaw flaw_;
 };
 
-/// What another solver says, spoilt.
+/// The answer of another solver, with a flaw.
 class Solver final : public weft::Solver {
  public:
   static constexpr weft::About kAbout{.needs = "correspondences"};

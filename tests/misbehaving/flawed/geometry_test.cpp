@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Each law of geometry must be told by a component that breaks it, and by none that does not.
+// The check must report each law of geometry for a component that breaks it, and for no other.
 #include <gmock/gmock.h>
 
 #include <iostream>

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 const std::string kUnruly = WEFT_UNRULY_FOLDER;
 constexpr const char* kFaulty = "filters/test_faulty";
 
-/// The library of faults in a folder of its own, as it chooses its fault when it is loaded.
+/// The library of faults in a separate folder, because it chooses its fault when it is loaded.
 class FaultyFolder {
  public:
   explicit FaultyFolder(const std::string& fault) {
@@ -97,7 +97,7 @@ const Broken kBroken[] = {
     {"reads_uninitialised", "contract/dirty_memory", "differs"},
     {"ok_without_memory", "contract/no_memory", "gives null"},
     {"writes_past_output", "contract/output_bounds", "inlier_mask/"},
-    {"error_without_text", "contract/error_text", "says not why"},
+    {"error_without_text", "contract/error_text", "without a reason"},
     {"text_not_utf8", "contract/error_text", "no UTF-8"},
     {"filters/test_truthful", "contract/nan_inputs", "where the truth is NaN"},
     {"counts_calls", "calls/repeated", "differs"},
@@ -158,7 +158,8 @@ TEST(Conformance, ComparesTheManifestWithWhatTheLibrarySays) {
   write_file(file, manifest);
   const auto of_manifest = checked(faulty.path(), kFaulty, "{}", "load/manifest");
   ASSERT_EQ(of_manifest.findings.size(), 1u);
-  EXPECT_THAT(of_manifest.findings[0].seen, HasSubstr("not what the library says"));
+  EXPECT_THAT(of_manifest.findings[0].seen,
+              HasSubstr("differs from the library's own description"));
   const auto of_default = checked(faulty.path(), kFaulty, "{}", "parameters/defaults");
   ASSERT_EQ(of_default.findings.size(), 1u);
   EXPECT_THAT(of_default.findings[0].seen, HasSubstr("default 7 is outside 0 to 1"));
@@ -207,7 +208,7 @@ TEST(Conformance, HasABrokenPluginForEachCheckOfItsOwn) {
   std::set<std::string> proved = {"load/manifest", "parameters/defaults", "load/binds_now"};
   for (const Broken& broken : kBroken) proved.insert(broken.check);
   const std::set<std::string> unproved = {
-      "load/layout",     // what has a damaged table is refused before
+      "load/layout",     // damaged tables are refused before
       "load/processor",  // libraries for other processors are refused before
       "load/strip",      // the linker writes no build-id that strip removes
       "calls/sanitized", "calls/state", "limits/clock",  // never apply

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Libraries whose symbol is not what a host looks for: SHAPE says which.
+// Libraries whose symbol differs from the one that a host expects, as SHAPE specifies.
 #include <cstdint>
 
 extern "C" {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Built against a later minor version of the contract, whose structs are longer and use what was
-// reserved: it needs nothing of that, so that this host can do without, too.
+// Built against a later minor version of the contract, with longer structs that use reserved
+// members. It needs none of these, so that this host can run it.
 #include <array>
 
 #include "../idle.hpp"

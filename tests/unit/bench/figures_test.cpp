@@ -13,7 +13,7 @@ namespace {
 constexpr int kRepetitions = 4;
 constexpr std::int64_t kFrames = 12, kBlock = 3;
 
-/// A part whose frames take what `ms` says of repetition, frame and turn.
+/// A part whose frame times `ms` gives for each repetition, frame and turn.
 template <class Times>
 Part part_of(Times ms) {
   Part part{kFrame, {}, {}};

@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-/// Takes as long as it is told and notes what is done with it.
+/// Takes a scripted time and records each call.
 class Scripted final : public Subject {
  public:
   explicit Scripted(std::string name, std::string& log) : name_(std::move(name)), log_(log) {}

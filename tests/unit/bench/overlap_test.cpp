@@ -27,7 +27,7 @@ Overlapped steady(std::size_t frames) {
 }
 
 TEST(Overlap, CountsFramesPerSecondFromTheLastThatWarmsUpOn) {
-  // Of 8 frames the last 6 leave within 60 + 20 ms.
+  // The last 6 of 8 frames leave within 60 + 20 ms.
   const OverlapFigures figures = figures_of({steady(8), steady(8)}, 2);
   EXPECT_THAT(figures.frames_per_s, ElementsAre(DoubleEq(75.0), DoubleEq(75.0)));
   EXPECT_EQ(figures.frames_per_s_spread.n, 2);
@@ -86,7 +86,7 @@ TEST_F(OverlapOfPipelines, FramesPassInTheirOrderAndAsManyAtOnceAsThePipelineSay
         EXPECT_LE(run->frames[static_cast<std::size_t>(before)].left_ms, frame.entered_ms);
       }
     }
-    // What stages do one after another is measured as before.
+    // Stages that run one after another are measured as before.
     (*subject)->restart();
     EXPECT_TRUE((*subject)->run(0));
   }

@@ -49,7 +49,7 @@ TEST_F(Subjects, ReadEachFrameOnceAndRunItAsOftenAsWanted) {
 }
 
 TEST_F(Subjects, FeedNothingBackToTheFirstFrameOfARepetition) {
-  // No shape in frame 0, so that its state tells whether there was a frame before it.
+  // No shape in frame 0, so that its state indicates whether there was a frame before it.
   const auto subject = open(chain({{"matchers", "{no_result_at: [0]}"}}), 2);
   ASSERT_TRUE(subject) << subject.error().message;
   for (int repetition = 0; repetition < 2; ++repetition) {
@@ -107,7 +107,7 @@ TEST_F(Subjects, CountNoAllocationsWithoutTheLibraryThatCounts) {
   EXPECT_GE(counts->peak_kib, counts->loaded_kib);
 }
 
-/// A record with one array of so many bytes.
+/// A record with one array of this size.
 host::RecordPtr record_of(std::int64_t bytes) {
   auto record = std::make_shared<host::Record>("correspondences/1");
   record->allocate("bytes", WEFT_U8, 1, &bytes);

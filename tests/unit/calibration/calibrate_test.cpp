@@ -21,7 +21,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::Lens;
 
-/// Views in which the board is turned as `tilt_rad` says, all over the image.
+/// Views in which the board is turned by `tilt_rad`, all over the image.
 std::vector<View> views_turned(const Lens& lens, const Eigen::Vector2d& tilt_rad, Rng& rng) {
   std::vector<View> views;
   for (int i = 0; i < 18; ++i) {

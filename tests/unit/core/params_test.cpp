@@ -52,7 +52,7 @@ struct Everything {
   std::vector<std::string> parts{"left", "right"};
 };
 
-/// What describe() said of one parameter, copied.
+/// A copy of one parameter that describe() declared.
 struct Declared {
   std::string name, unit, help, role, text;
   int type = 0;

@@ -57,7 +57,7 @@ TEST(Rng, GivesTheGoldenIntegersBelowABound) {
   std::vector<std::uint32_t> digits;
   for (int i = 0; i < 12; ++i) digits.push_back(rng.below(10));
   EXPECT_THAT(digits, ElementsAre(6, 9, 5, 5, 7, 6, 0, 1, 4, 3, 5, 5));
-  Rng large(42);  // three words in ten are drawn again
+  Rng large(42);  // three words in ten are rejected and replaced
   EXPECT_EQ(large.below(3000000000U), 270867926U);
   EXPECT_EQ(large.below(3000000000U), 1795671209U);
   EXPECT_EQ(large.below(3000000000U), 1924641435U);

@@ -9,7 +9,7 @@
 namespace weft {
 namespace {
 
-/// What a shell makes of a word.
+/// The word as a shell interprets it.
 std::string through_shell(const std::string& word) {
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(("printf %s " + word).c_str(), "r"),
                                                    pclose);

@@ -42,7 +42,7 @@ TEST(StopCheck, ThrowsWhereTheCallIsCancelled) {
 }
 
 TEST(StopCheck, AsksTheHostOfTheInnermostCallOfItsThread) {
-  worked(10 * StopCheck::kPassesPerAsk);  // nobody is asked outside of calls
+  worked(10 * StopCheck::kPassesPerAsk);  // no host is called outside of calls
   Host outer, inner;
   const StopCheck check(Host::cancelled, &outer);
   {

@@ -25,7 +25,7 @@ class WholeFileTest : public ::testing::Test {
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
   }
-  /// No file of this process grows beyond so many bytes.
+  /// Limits the size of each file of this process.
   class SmallFiles {
    public:
     explicit SmallFiles(rlim_t bytes) {

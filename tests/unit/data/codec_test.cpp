@@ -278,7 +278,7 @@ TEST(Codec, EvidenceOfAnyTypeArrivesBitForBit) {
   ASSERT_NE(ids, nullptr);
   EXPECT_EQ(ids->data(), extended.ids.data());
   EXPECT_EQ((*ids)(2), std::numeric_limits<std::int32_t>::min() + 2);
-  EXPECT_EQ(read.diag.find<double>("ids"), nullptr) << "it is of another type";
+  EXPECT_EQ(read.diag.find<double>("ids"), nullptr) << "it has another type";
 }
 
 TEST(Codec, ARecordThatIsPassedOnAsItWasReadLosesNothing) {

@@ -11,7 +11,7 @@ namespace weft {
 namespace {
 
 TEST(Owned, HoldsWhatARecordBorrowedFromMemoryThatIsGone) {
-  std::vector<double> memory(10, 1.5);  // two rows of three numbers, five apart
+  std::vector<double> memory(10, 1.5);  // two rows of three numbers, with a stride of five
   Shape borrowing;
   borrowing.vertices_m = Array<double>::borrow(memory.data(), 2, {2, 3}, 5);
   borrowing.diag.set("draw", 0.25);

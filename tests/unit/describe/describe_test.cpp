@@ -192,8 +192,8 @@ TEST(Describe, RefusesASweepThatNoPlanCouldRun) {
   const char* wrong = "its sweep of 'alpha' is not at least two ascending values in its range";
   EXPECT_EQ(mistake<SweptOutside>(), wrong);
   EXPECT_EQ(mistake<SweptBackwards>(), wrong);
-  EXPECT_EQ(mistake<SweptUnknown>(), "its sweep is of 'beta', which is no number of it");
-  EXPECT_EQ(mistake<SweptVector>(), "its sweep is of 'alphas', which is no number of it");
+  EXPECT_EQ(mistake<SweptUnknown>(), "its sweep names 'beta', which is no number of it");
+  EXPECT_EQ(mistake<SweptVector>(), "its sweep names 'alphas', which is no number of it");
 }
 
 TEST(Describe, WritesNoDefaultForWhatIsRequired) {

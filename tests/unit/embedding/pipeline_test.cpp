@@ -45,7 +45,7 @@ class Embedding : public testing::PipelineTest {
     image.pixels = Array<std::uint8_t>({height, width}, 0);
     return image;
   }
-  /// States of so many grey images.
+  /// States of this number of grey images.
   static std::vector<ShapeState> states(Pipeline& pipeline, int frames) {
     std::vector<ShapeState> all;
     for (int i = 0; i < frames; ++i) {
@@ -78,7 +78,7 @@ TEST_F(Embedding, GivesTheSameWithAStageInAProcessOfItsOwn) {
   expect_same(processed(pipeline, InMemory::of(path("pipeline.yaml"), registry_)), ran.folder);
 }
 
-/// Whether it is true in a child of fork(), which is killed where it takes half a minute.
+/// True if the check holds in a child of fork(), which is killed if it takes half a minute.
 template <class Check>
 bool holds_in_child(Check&& check) {
   const pid_t child = fork();

@@ -26,7 +26,7 @@ DevelopableSheet make(const SheetBend& bend) {
   return *DevelopableSheet::create(kCentre, kReach, bend, some_pose());
 }
 
-/// Length of the image of a segment of the sheet, by Simpson's rule on the speed.
+/// Length of the image of a segment of the surface, by Simpson's rule on the speed.
 double curve_length(const DevelopableSheet& sheet, const Eigen::Vector2d& from,
                     const Eigen::Vector2d& to) {
   const int n = 400;

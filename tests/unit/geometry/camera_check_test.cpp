@@ -9,7 +9,7 @@ namespace {
 
 const Camera kGood{528.0, 528.0, 320.0, 240.0, 640, 480};
 
-/// The field that is illegal in a camera of which one was changed.
+/// The illegal field of a camera with one changed member.
 template <class Member, class Value>
 std::string illegal(Member member, Value value) {
   Camera camera = kGood;

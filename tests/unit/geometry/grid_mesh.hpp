@@ -27,7 +27,7 @@ inline Points2 grid_points(int columns, int rows, double step_u, double step_v) 
   return points;
 }
 
-/// The same grid as a sheet on the plane z = 0.
+/// The same grid on the plane z = 0.
 inline Points3 lift(const Points2& points) {
   Points3 lifted = Points3::Zero(points.rows(), 3);
   lifted.leftCols<2>() = points;

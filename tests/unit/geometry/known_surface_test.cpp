@@ -40,7 +40,7 @@ TEST(KnownSurface, APlaceOnTheTemplateIsThatPlaceOnAnyShape) {
       const Eigen::Vector3d flat = points->front().on(flat_m);
       EXPECT_NEAR(flat.x(), x_m, 1e-9);
       EXPECT_NEAR(flat.y(), y_m, 1e-9);
-      // A face is a chord of the sheet: a diagonal of 47 mm is 1.1 mm from a radius of 250 mm.
+      // A face is a chord of the surface: a diagonal of 47 mm is 1.1 mm from a radius of 250 mm.
       EXPECT_LT((points->front().on(bent_m) - sheet.at(x_m, y_m)).norm(), 0.0015);
     }
   }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20261121;
 
-/// A bent sheet, and places on it that are seen where they are.
+/// A bent surface, and places on it that are seen at their true positions.
 struct Scene {
   testing::SheetSpec spec;
   Template templ = testing::make_template(spec);
@@ -98,7 +98,7 @@ TEST(ShapeEvidence, CountsSightlinesAtVerticesAndInFaces) {
   EXPECT_EQ(scene.evidence(lines).agreeing, 2);
 }
 
-/// Four matches in each face, of sheets of few and of many vertices.
+/// Four matches in each face, on meshes of few and of many vertices.
 class CoverageOfMeshes : public ::testing::TestWithParam<int> {
  protected:
   static Scene scene_of(int columns) {

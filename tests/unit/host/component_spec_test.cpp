@@ -221,7 +221,7 @@ TEST_F(ComponentSpecTest, TheHomeFolderIsExpandedAtTheBeginningOfPathsAsShellsDo
   EXPECT_EQ(effective(good("{report: '$5.csv'}"), "report"), "$5.csv");
   for (const char* path : {"~else/b.csv", "~else", "~+/b.csv", "~root"}) {
     expect_problem("{report: '" + std::string(path) + "'}",
-                   "begins with ~, of which only ~/ (your home folder) is expanded");
+                   "begins with ~, but only ~/ (your home folder) is expanded");
   }
   expect_problem("{report: '$ABSENT/x'}", "the variable ABSENT is not set");
   variables_.erase("HOME");

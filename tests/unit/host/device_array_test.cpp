@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// What a library keeps: numbers by handle, with their references.
+/// Numbers that a library stores by handle, with their reference counts.
 struct Kept {
   std::vector<float> numbers;
   int references = 0;
@@ -198,7 +198,7 @@ TEST_F(DeviceArrays, ThatAreInNoCatalogueAreIllegal) {
   }
 }
 
-/// What the SDK makes of a class.
+/// A class from which the SDK makes a table of device memory.
 struct Rows {
   int* destroyed;
   ~Rows() { ++*destroyed; }

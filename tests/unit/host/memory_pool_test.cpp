@@ -18,7 +18,7 @@
 namespace weft::host {
 namespace {
 
-/// Frames in which nobody asks for anything.
+/// Frames without an allocation.
 void pass(MemoryPool& pool, int frames) {
   for (int i = 0; i < frames; ++i) pool.frame_done(to_index(i));
 }

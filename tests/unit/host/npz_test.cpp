@@ -209,7 +209,7 @@ TEST(Npz, DamageAnywhereIsAnErrorOrHarmless) {
   EXPECT_GT(errors, 300);
 }
 
-/// An archive of these members, deflated, as somebody may have made it.
+/// A deflated archive of these members, as another program may write it.
 void zip(const std::string& file, const std::vector<std::pair<std::string, std::string>>& members) {
   int code = 0;
   zip_t* archive = zip_open(file.c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code);

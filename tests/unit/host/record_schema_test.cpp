@@ -19,7 +19,7 @@ const RecordSchema kDepth{"acme.depth/1",
                            {"sigma_m", "H,W", "m", "of the depth", WEFT_F64, true, false},
                            {"camera", "", "", "which one", WEFT_I32, false, false}}};
 
-/// A record with depths of 2 x 3 pixels, of which each test spoils something.
+/// A record with depths of 2 x 3 pixels; each test damages a part of it.
 class RecordSchemaTest : public ::testing::Test {
  protected:
   RecordSchemaTest() {

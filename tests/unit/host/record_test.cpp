@@ -95,7 +95,7 @@ TEST(Record, ArraysOfThirdPartiesAreLegalInAllRecordsWhateverTheyHold) {
       const std::string name = std::string("x.acme.") + dtype_name(dtype);
       void* data = record->allocate(name, dtype, 6, six);
       ASSERT_NE(data, nullptr);
-      std::memset(data, 0xFF, to_index(8 * dtype_size(dtype)));  // NaN where it is of numbers
+      std::memset(data, 0xFF, to_index(8 * dtype_size(dtype)));  // NaN in floating point
     }
     const auto valid = validate(record->view(""));
     EXPECT_TRUE(valid) << valid.error().message;
@@ -151,7 +151,7 @@ TEST(Validate, FindsNumbersThatAreNotFiniteInEveryArray) {
   const double bad[] = {std::nan(""), std::numeric_limits<double>::infinity(),
                         -std::numeric_limits<double>::infinity()};
   int checked = 0, allowed = 0;
-  // Each draw leaves out other optional arrays.
+  // Each iteration omits other optional arrays.
   for (int draw = 0; draw < 8; ++draw)
     for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
       const auto record = Record::copy_of(random_record<RecordType>(rng));

@@ -273,7 +273,7 @@ TEST_F(WorkerTest, ACopyThatAComponentMakesAnswersNoCall) {
   Instance& deadly =
       isolated("filters/test_deadly", "{frame: 1, deed: fork_twice, child: " + own_name() + "}");
   for (std::uint64_t frame = 0; frame < 20; ++frame) {
-    const auto count = static_cast<std::int64_t>(frame) + 1;  // tells the answers apart
+    const auto count = static_cast<std::int64_t>(frame) + 1;  // distinguishes the answers
     const Outcome outcome = filter(deadly, frame, count);
     ASSERT_EQ(outcome.status, WEFT_OK) << outcome.error.message;
     EXPECT_EQ(view_as<InlierMask>(*outcome.find("inlier_mask"))->kept.rows(), count);

@@ -19,7 +19,7 @@ std::string chunk(const std::string& type, const std::string& data) {
          big32(detail::crc32(type + data));
 }
 
-/// A PNG without its pixels: nobody decodes it here.
+/// A PNG without its pixels, which the test does not decode.
 std::string png(std::uint32_t width, std::uint32_t height, char bits = 8, char colour = 2) {
   const std::string kind{bits, colour, 0, 0, 0};
   return "\x89PNG\r\n\x1A\n" + chunk("IHDR", big32(width) + big32(height) + kind) +

@@ -59,7 +59,7 @@ TEST(CertaintyMetrics, AverageTheSharesInTheirIntervalByFrame) {
   many.measured = {100, 100};
   many.filled_in = {10, 2};
   few.measured = {4, 1};
-  bare.vertices = 3;  // a shape that does not say what it measured
+  bare.vertices = 3;  // a shape that does not state what it measured
   const CertaintyMetrics metrics = summarise_certainty({many, few, bare});
   EXPECT_NEAR(metrics.measured_in_interval_percent, (100.0 + 25.0) / 2.0, 1e-12);
   EXPECT_NEAR(metrics.filled_in_interval_percent, 20.0, 1e-12);
@@ -67,7 +67,7 @@ TEST(CertaintyMetrics, AverageTheSharesInTheirIntervalByFrame) {
   EXPECT_TRUE(std::isnan(summarise_certainty({bare}).in_interval_percent));
 }
 
-/// A sheet whose vertices are off by normal errors of the standard deviations that it says, times
+/// A surface whose vertices have normal errors, with the reported standard deviations times
 /// `factor`.
 FrameCertainty sheet_with_errors(double factor) {
   constexpr std::uint64_t kSeed = 20261121;

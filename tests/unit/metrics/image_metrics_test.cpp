@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Truth on a grid from edge to edge of the sheet.
+/// Truth on a grid from edge to edge of the surface.
 GroundTruth grid_truth() {
   Points2 xy_m(12 * 9, 2);
   for (int k = 0; k < xy_m.rows(); ++k) {
@@ -95,7 +95,7 @@ TEST_F(ImageMetricsTest, AreZeroForAPerfectShape) {
   const RunMetrics metrics = evaluated();
   EXPECT_NEAR(metrics.image.reprojection_px, 0.0, 1e-9);
   EXPECT_NEAR(metrics.image.overlay_px, 0.0, 1e-9);
-  EXPECT_NEAR(metrics.image.truth_map_px, 0.0, 1e-9);  // the sheet is flat
+  EXPECT_NEAR(metrics.image.truth_map_px, 0.0, 1e-9);  // the surface is flat
   EXPECT_EQ(metrics.image.reprojection_frames, 1);
 }
 
@@ -120,7 +120,7 @@ TEST_F(ImageMetricsTest, CountWhatTheFilterDidToMismatches) {
   EXPECT_EQ(metrics.filters[0].tpr_percent, 100.0);
   EXPECT_EQ(metrics.filters[0].fpr_percent, 0.0);
   EXPECT_EQ(metrics.frames[0].filters[0].second.mismatches, 2);
-  EXPECT_NEAR(metrics.image.reprojection_px, 0.0, 1e-9);  // over correct matches only
+  EXPECT_NEAR(metrics.image.reprojection_px, 0.0, 1e-9);  // over inliers only
   EXPECT_THAT(to_table(metrics), HasSubstr("TPR %"));
   EXPECT_THAT(to_json(metrics), HasSubstr("\"tpr_percent\": 100.0"));
 }
@@ -186,10 +186,10 @@ TEST_F(ImageMetricsTest, JitterLeavesOutTriplesAcrossACutOfTheTruth) {
   EXPECT_EQ(metrics.jitter.cuts, 1);
   EXPECT_TRUE(metrics.frames[4].motion.cut);
   EXPECT_NEAR(metrics.frames[4].motion.truth_step_mm, 52.0, 1e-9);
-  EXPECT_EQ(metrics.jitter.triples, 4);  // of 6
+  EXPECT_EQ(metrics.jitter.triples, 4);  // 4 of 6
   EXPECT_EQ(metrics.jitter.truth_triples, 4);
   EXPECT_NEAR(metrics.jitter.mean_mm, 0.0, 1e-9);
-  EXPECT_THAT(to_table(metrics), HasSubstr("cuts left out: 1"));
+  EXPECT_THAT(to_table(metrics), HasSubstr("cuts excluded: 1"));
 }
 
 TEST_F(ImageMetricsTest, AFrameWithAPointBehindTheCameraHasNoFigureAndIsCounted) {

@@ -24,7 +24,7 @@ Array<std::uint8_t> mask_of(const std::vector<int>& kept) {
 }
 
 const std::vector<int> kAll(10, 1);
-// Three mismatches, of which two are rejected; seven correct ones, of which one is.
+// Two of the three outliers are rejected, and one of the seven inliers.
 const std::vector<std::int8_t> kLabels{0, 0, 0, 1, 1, 1, 1, 1, 1, 1};
 const std::vector<int> kVerdict{0, 0, 1, 0, 1, 1, 1, 1, 1, 1};
 const Array<double> kScores = make_array<double>(Eigen::VectorXd::LinSpaced(10, 0.0, 0.9));

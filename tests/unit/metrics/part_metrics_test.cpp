@@ -18,8 +18,8 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// The truth of a sheet 5 mm before the estimate: vertices in the left half are `close`, those in
-/// the right half are told as a cloud of the part `far`, moved by 10 mm more.
+/// The truth of a surface 5 mm before the estimate. Vertices in the left half are the part `close`.
+/// The right half is a cloud, the part `far`, moved by 10 mm more.
 GroundTruth truth_in_parts(const TestRun& run) {
   const Points3 true_m = run.vertices();
   std::vector<Eigen::Index> left, right;
@@ -132,7 +132,7 @@ TEST(PartMetrics, LeaveAFrameOfCloudsWithoutA3dErrorAndSayWhy) {
   ASSERT_TRUE(metrics) << metrics.error().message;
   ASSERT_EQ(metrics->frames.size(), 1U);
   EXPECT_FALSE(metrics->frames[0].error.has_value());
-  EXPECT_THAT(metrics->frames[0].no_error_because, HasSubstr("nobody knows where"));
+  EXPECT_THAT(metrics->frames[0].no_error_because, HasSubstr("the template are unknown"));
   EXPECT_EQ(metrics->all.unmeasured, 0);
   ASSERT_EQ(metrics->parts.size(), 1U);
   EXPECT_EQ(metrics->parts[0].part, "far");

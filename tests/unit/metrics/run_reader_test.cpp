@@ -162,7 +162,7 @@ TEST(RunReader, NoticesAMissingFileAndMissingRecords) {
   EXPECT_TRUE(evaluate_run(run.folder()));
   run.write_text("frames.jsonl", R"({"frame": 0, "state": "none", "failed": false, "records": 2})"
                                  "\n");
-  EXPECT_THAT(failure(run).message, HasSubstr("has 1 records where frames.jsonl says 2"));
+  EXPECT_THAT(failure(run).message, HasSubstr("has 1 records where frames.jsonl has 2"));
 }
 
 TEST(RunReader, PutsFramesInOrder) {
@@ -183,8 +183,7 @@ TEST(RunReader, NoticesWhenLineAndRecordDisagree) {
   EXPECT_THAT(failure(without).message, HasSubstr("is missing"));
   TestRun truth_alone;
   truth_alone.add(ShapeState::estimated, std::nullopt, TestRun::truth("mdh"));
-  EXPECT_THAT(failure(truth_alone).message,
-              HasSubstr("'none' where frames.jsonl says 'estimated'"));
+  EXPECT_THAT(failure(truth_alone).message, HasSubstr("'none' where frames.jsonl has 'estimated'"));
   TestRun other;
   other.add(ShapeState::weak, other.vertices(), std::nullopt);
   other.write_text("frames.jsonl", R"({"frame": 0, "state": "lost", "failed": false})");
@@ -259,7 +258,7 @@ TEST(RunReader, LeavesOutWhatAPowerCutHasTakenFromARunThatHadNotEnded) {
   ASSERT_TRUE(metrics) << metrics.error().message;
   EXPECT_EQ(metrics->counts.frames, 1);
   ASSERT_EQ(metrics->warnings.size(), 1U);
-  EXPECT_THAT(metrics->warnings[0], HasSubstr("frames from 1 on are left out"));
+  EXPECT_THAT(metrics->warnings[0], HasSubstr("frames from 1 on are omitted"));
   run.write_text("end.json", R"({"frames": 3, "failed": 0, "stopped": false})");
   EXPECT_FALSE(evaluate_run(run.folder())) << "a run that came to its end was written to the disk";
 }

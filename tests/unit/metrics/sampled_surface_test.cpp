@@ -82,8 +82,8 @@ TEST(SampledSurfaces, AreTheGapOfParallelPlanesAndTheSpacingOfTheirSamples) {
       surface_metrics(mesh.vertices_m, mesh.faces, true_surface(truth), kSurfaceSamples);
   EXPECT_NEAR(metrics.from_truth_mm, 10.0, 1e-9);
   EXPECT_NEAR(metrics.to_truth_mm, 10.0, 1e-9);
-  // Of n even draws on an area A the nearest lies at r with mean r^2 = A / (pi n), but at the
-  // border, where there are none beyond it.
+  // The nearest of n uniform samples on an area A is at r with mean r^2 = A / (pi n). The border is
+  // an exception, because there are no samples beyond it.
   const double spread_mm2 = 1e6 * 0.3 * 0.2 / (M_PI * static_cast<double>(kSurfaceSamples));
   EXPECT_NEAR(metrics.sampled->from_truth_squared_mm2, 100.0 + spread_mm2, 0.1 * spread_mm2);
   EXPECT_NEAR(metrics.sampled->to_truth_squared_mm2, 100.0 + spread_mm2, 0.1 * spread_mm2);

@@ -19,7 +19,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A sheet of 0.3 m x 0.2 m with `columns` x `rows` vertices, at z_m(x, y).
+/// A surface of 0.3 m x 0.2 m with `columns` x `rows` vertices, at z_m(x, y).
 template <class Height>
 Points3 sheet(int columns, int rows, Height&& z_m) {
   Points3 vertices(columns * rows, 3);

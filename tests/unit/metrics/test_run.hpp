@@ -24,8 +24,8 @@
 
 namespace weft::lab {
 
-/// A run folder in a temporary place, written frame by frame with errors that are known: a sheet
-/// of 4 x 3 vertices, 0.3 m x 0.2 m, texels of 5 mm x 4 mm, flat and tilted before the camera.
+/// A run folder in a temporary place, written frame by frame with known errors. The surface has 4 x
+/// 3 vertices, 0.3 m x 0.2 m and texels of 5 mm x 4 mm. It is flat and tilted before the camera.
 class TestRun {
  public:
   TestRun() : templ_(testing::make_template({4, 3, 0.3, 0.2, 60, 50})) {
@@ -116,7 +116,7 @@ class TestRun {
     add(ShapeState::estimated, shifted(z_mm), truth);
   }
 
-  /// What `weft eval --flat-reference` leaves in the folder.
+  /// Writes what `weft eval --flat-reference` stores in the folder.
   void measure(const std::map<std::uint64_t, Registration>& frames) const {
     MeasuredFrames records;
     for (const auto& [frame, made] : frames) records[frame] = host::Record::copy_of(made);

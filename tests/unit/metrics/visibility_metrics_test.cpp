@@ -27,7 +27,7 @@ GroundTruth truth_that_hides(const TestRun& run, int first_seen) {
   return truth;
 }
 
-/// What a run says: it sees the columns from `first_seen` on.
+/// The visibility that a run reports: the columns from `first_seen` on are visible.
 Visibility said(int first_seen) {
   Visibility visibility;
   visibility.visible = Array<std::uint8_t>({kVertices}, 0);
@@ -91,7 +91,7 @@ TEST(VisibilityMetrics, ArePerfectWhereTheRunAgreesWithTheTruth) {
     right.visible(v) = map->at(run.sheet().vertices_m.matrix<3>().row(v).head<2>())->hidden ? 0 : 1;
   }
   add_frame(run, truth, right);
-  add_frame(run, TestRun::truth("points"), right);  // this truth does not say what is seen
+  add_frame(run, TestRun::truth("points"), right);  // this truth has no visibility
   const RunMetrics metrics = evaluated(run);
   EXPECT_EQ(metrics.visibility.frames, 1);
   EXPECT_EQ(metrics.visibility.f1_percent, 100.0);

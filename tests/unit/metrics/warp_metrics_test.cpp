@@ -12,8 +12,8 @@
 namespace weft::lab {
 namespace {
 
-/// A flat sheet before the camera, its truth, and a warp that is wrong by 3 px to the right at the
-/// corners of the first face and by 1 px elsewhere.
+/// A flat surface before the camera, its truth, and a warp. The warp is wrong by 3 px to the right
+/// at the corners of the first face and by 1 px elsewhere.
 struct Scene {
   Template sheet = testing::make_template({4, 3, 0.3, 0.2, 60, 40});
   Pinhole camera = testing::pinhole(testing::make_camera());

@@ -4,21 +4,21 @@
 #include <vector>
 #include <weft/testing/synthetic.hpp>
 
-/// Sheets as one camera sees them and another, wrong one, has them reconstructed.
+/// Surfaces that one camera sees, reconstructed with another, wrong camera.
 namespace weft::testing {
 
-/// Of 13 x 9 vertices, as `pipelines/sparse.yaml` has it.
+/// The surface of `pipelines/sparse.yaml`, with 13 x 9 vertices.
 inline constexpr SheetSpec kBentSpec{.columns = 13, .rows = 9, .height_m = 0.2, .height_px = 646};
 
-/// A frame of which the matches are known, with the shape that a solver would have found.
+/// A frame with known matches, and the shape that a solver would have found.
 struct SeenSheet {
   Points3 vertices_m;       ///< [V,3] m, camera frame of the camera that is given
   Correspondences matches;  ///< all kept
 };
 
-/// A bent sheet, turned by `turn` in steps of its own, before the camera `real` whose lens moves
-/// pixels by 1 + k1 r^2. The shape is the real one, drawn apart so that it projects to the same
-/// pixels in the camera `given`, but for the lens.
+/// A bent surface, turned by `turn` steps, before the camera `real` whose lens moves pixels by 1 +
+/// k1 r^2. The shape is the real one, transformed so that it projects to the same pixels in the
+/// camera `given`, without the lens.
 inline SeenSheet see_bent_sheet(const Template& templ, const Camera& real, const Camera& given,
                                 double k1, int turn, Rng& rng) {
   const double angle_rad = 0.7 * turn, tilt_rad = 0.35;

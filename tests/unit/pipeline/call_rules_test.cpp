@@ -18,7 +18,7 @@ using ::testing::StartsWith;
 /// Stages that are called in some frames only.
 class CallRules : public testing::PipelineTest {
  protected:
-  /// A cheap matcher, one that stands in for it by the rule `when`, and what unites them.
+  /// A cheap matcher, one that replaces it by the rule `when`, and a component that unites them.
   static std::string with_fallback(const std::string& cheap_params, const std::string& when) {
     return head("{frames: 6}") +
            "stages:\n"
@@ -127,7 +127,7 @@ TEST_F(CallRules, AreRefusedWhereTheySayNothingOrNameNoEarlierStage) {
               ElementsAre("6:49: 'shown' is a sink, which makes nothing to be read"));
   EXPECT_THAT(mistakes("{not_ok: sources}"),
               ElementsAre("6:49: no earlier stage is named 'sources'"));
-  EXPECT_THAT(mistakes("{}"), ElementsAre(HasSubstr("'when' says nothing")));
+  EXPECT_THAT(mistakes("{}"), ElementsAre(HasSubstr("'when' is empty")));
   EXPECT_THAT(mistakes("cheap"), ElementsAre(StartsWith("6:40: 'when' must be a map, such as")));
   EXPECT_THAT(mistakes("{every: 0}"),
               ElementsAre("6:48: 'every' must be a whole number from 1 to 2147483647"));
@@ -151,7 +151,7 @@ TEST_F(CallRules, AStageThatDecidesWhetherAnotherIsCalledIsNotUnread) {
         .insert(whole.find("  - {use: detectors"), "  - {use: matchers/test.pattern, as: probe}\n")
         .insert(whole.find("detectors/test.scripted, ") + 25, when);
   };
-  EXPECT_THAT(check(with("")).second.text(), HasSubstr("nobody reads the correspondences"));
+  EXPECT_THAT(check(with("")).second.text(), HasSubstr("no component reads the correspondences"));
   EXPECT_EQ(check(with("when: {not_ok: probe}, ")).second.text(), "");
 }
 

@@ -22,7 +22,7 @@ host::RecordPtr two_matches() {
   return host::Record::copy_of(matches);
 }
 
-/// The matches after a filter, which may say how sure it is.
+/// The matches after a filter, which may report a confidence.
 host::RecordPtr filtered(const host::RecordPtr& matches, std::optional<double> confidence) {
   InlierMask mask{Array<std::uint8_t>({2}, 0), Array<double>({2}, 0.0), {}};
   if (confidence) mask.confidence = make_scalar(*confidence);
@@ -48,7 +48,7 @@ TEST(Compose, TheLeastConfidenceOfTheFiltersStays) {
   EXPECT_EQ(confidence_of(filtered(doubtful, std::nullopt)), 0.4);
 }
 
-/// Matches at these places that nobody has put on a face; with metres, those count.
+/// Matches at these places without faces; if there are metres, they determine the places.
 Correspondences unplaced(const Points2& places, bool in_metres) {
   Correspondences matches;
   const std::int64_t count = places.rows();
@@ -106,7 +106,7 @@ TEST(Compose, MatchesBeyondTheTemplateStayOnNoFaceAndOthersAsTheyWere) {
   Points2 places(3, 2);
   places << -5000.0, 0.0, 100.0, 70.0, 100.0, 70.0;
   Correspondences given = unplaced(places, false);
-  given.face(1) = 3;  // whoever names a face is believed
+  given.face(1) = 3;  // a given face is trusted
   given.barycentrics(1, 2) = 1.0;
   const auto placed = placer.place(host::Record::copy_of(given));
   ASSERT_TRUE(placed) << placed.error().message;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Arrays that a detector keeps in a memory of its own, in pipelines that can and cannot read there.
+// Arrays that a detector keeps in device memory, in pipelines that can and cannot read there.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 using testing::head;
 using testing::Ran;
 
-constexpr double kBytes = 24.0 * 4.0 * 4.0;  // of the descriptors of one image
+constexpr double kBytes = 24.0 * 4.0 * 4.0;  // descriptors of one image
 
 class Devices : public testing::PipelineTest {
  protected:
@@ -114,7 +114,7 @@ TEST_F(Devices, AComponentThatNamesNoMemoryOfItsOwnCannotLeaveAnArrayThere) {
   text.replace(text.find("detectors/test.device"), 21, "detectors/test.silent");
   const auto report = run_to_failure(text);
   EXPECT_THAT(report, HasSubstr("refused the array 'descriptors'"));
-  EXPECT_THAT(report, HasSubstr("it names no device_memory of its own"));
+  EXPECT_THAT(report, HasSubstr("it has no device_memory table"));
 }
 
 TEST_F(Devices, OnlyWhatTheCatalogueAllowsMayLieThere) {

@@ -11,7 +11,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-/// What a stage came to, as "name=id{param=value}" of the parameter asked for.
+/// The resolved stages, as "name=id{param=value}".
 std::vector<std::string> names_and_ids(const std::vector<StageConfig>& stages) {
   std::vector<std::string> result;
   for (const StageConfig& stage : stages) {
@@ -117,11 +117,11 @@ TEST_F(Documents, SayWhichFileLeftOutWhatIsMissing) {
   };
   EXPECT_EQ(check_over(""), path("base.yaml") +
                                 ":10:5: passes/test.scripted requires 'warp_samples', which no "
-                                "earlier stage produces ('warps' is left out by " +
+                                "earlier stage produces ('warps' is omitted by " +
                                 path("poor.yaml") +
                                 ":5);\n    add one that produces it: warps/test.scripted\n");
   EXPECT_THAT(check_over("stages:\n  - {as: passes, from: {warp_samples: warps}}\n"),
-              HasSubstr(":4:25: 'warps' is left out by " + path("poor.yaml") + ":5\n"));
+              HasSubstr(":4:25: 'warps' is omitted by " + path("poor.yaml") + ":5\n"));
   EXPECT_EQ(check_over("stages:\n  - {as: filters}\n  - {use: warps/test.scripted}\n"), "");
 }
 

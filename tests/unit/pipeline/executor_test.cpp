@@ -160,7 +160,7 @@ TEST_F(Execution, RefusesResultsThatDoNotFitByName) {
        "the vertex of sightline 29 has the index 30, the template has 30"},
       {"passes", "nan_at", "sightlines/1: array 'ray' holds NaN"},
       {"solvers", "wrong_length_at", "shape/1 has 31 entries for 30 of the input 'template'"},
-      {"solvers", "bad_state_at", "a solver may say estimated or weak only"},
+      {"solvers", "bad_state_at", "a solver may set only estimated or weak"},
       {"solvers", "nan_at", "shape/1: array 'vertices_m' holds NaN"}};
   for (const auto& [role, key, message] : cases) {
     SCOPED_TRACE(role + " " + key);

@@ -17,7 +17,7 @@ namespace {
 using ::testing::ElementsAre;
 using Answer = FrameLine::Answer;
 
-/// Writes down which step of which frame began and ended.
+/// Records the order in which steps of frames begin and end.
 class Diary {
  public:
   void write(const char* what, std::size_t step, std::uint64_t frame) {

@@ -227,7 +227,7 @@ TEST_F(Wiring, NamesWhatCouldProduceAMissingInput) {
               detector,
           "6:5: passes/test.scripted requires 'warp_samples', which no earlier stage produces;\n"
           "    add one that produces it: warps/test.scripted",
-          HasSubstr("7:5: nobody reads the correspondences of 'filters'")));
+          HasSubstr("7:5: no component reads the correspondences of 'filters'")));
 }
 
 TEST_F(Wiring, NamesPassesForAPipelineWithoutOne) {
@@ -277,7 +277,7 @@ TEST_F(Wiring, GivesTruthOnlyToThoseWhoSayThatTheyUseIt) {
             "correspondences=matchers ground_truth=sources");
   EXPECT_THAT(
       lines(check(with("filters/test.peeking")).second),
-      ElementsAre("6:5: filters/test.peeking reads ground_truth without saying uses_truth"));
+      ElementsAre("6:5: filters/test.peeking reads ground_truth without declaring uses_truth"));
 }
 
 TEST_F(Wiring, RefusesAnInputThatTheSourceNeverGives) {

@@ -32,7 +32,7 @@ std::string over(const std::string& path) { return to(path) + ", overwrite: true
 
 class OutputPaths : public testing::PipelineTest {
  protected:
-  /// The only mistake of a pipeline, or "ok".
+  /// The only error of a pipeline, or "ok".
   std::string answer(const std::string& input, const std::vector<std::string>& sinks) const {
     const auto report = check(pipeline(input, sinks)).second;
     if (report.ok()) return "ok";
@@ -48,8 +48,8 @@ TEST_F(OutputPaths, NeverGoOverWhatIsThereUnlessTheEntrySaysSo) {
   fs::create_directory(path("empty"));
   fs::create_symlink("nowhere", path("dangling"));
   const std::string fix =
-      "; choose a path where nothing is, such as a relative one, which stands in the run folder, "
-      "or write 'overwrite: true' beside 'use'";
+      "; choose a path where nothing is, such as a relative one, which is below the run folder, or "
+      "write 'overwrite: true' beside 'use'";
   EXPECT_EQ(answer(to(path("notes.txt"))),
             "5:47: 'path': " + path("notes.txt") + " is a file" + fix);
   EXPECT_EQ(answer(to("../notes.txt")), "5:47: 'path': " + path("notes.txt") + " is a file" + fix);

@@ -25,7 +25,7 @@ class SelfCalibrationTest : public ::testing::Test {
 
   SelfCalibration calibration() const { return *SelfCalibration::of(templ_); }
 
-  /// Of six bent sheets that `real_` saw.
+  /// The deviation that follows from six bent surfaces that `real_` saw.
   CameraDeviation deviation_from(const Camera& given, double k1 = 0.0) {
     SelfCalibration calibration = this->calibration();
     CameraEvidence sum;
@@ -86,7 +86,8 @@ TEST_F(SelfCalibrationTest, FindsThatTheImageWasCropped) {
   expect_near(deviation_from(given), {0.0, 0.0, 0.0, -40.0 / given.fx, 25.0 / given.fy});
 }
 
-/// The keystone of a badly rectified texture, which a flat sheet cannot tell from perspective.
+/// The keystone of a badly rectified texture, which a flat surface does not distinguish from
+/// perspective.
 TEST_F(SelfCalibrationTest, KnowsThatANearlyFlatSheetCannotTellKeystoneFromPerspective) {
   const DevelopableSheet sheet = testing::make_cylinder(
       testing::kBentSpec, 2.0, 0.0, PoseSpec{.distance_m = 0.5, .tilt_x_rad = 0.3});

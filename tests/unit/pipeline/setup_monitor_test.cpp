@@ -56,7 +56,7 @@ class SetupMonitorTest : public ::testing::Test {
     return frame(seen.matches, &seen.vertices_m);
   }
 
-  /// What each frame warned of for the first time: "", or the texts, each with a line break.
+  /// The first warnings of each frame: "", or the texts, each with a line break.
   std::vector<std::string> warnings_of(SetupMonitor& monitor, std::vector<FrameResult>& frames) {
     std::vector<std::string> warnings;
     for (FrameResult& frame : frames) {
@@ -67,7 +67,7 @@ class SetupMonitorTest : public ::testing::Test {
     return warnings;
   }
 
-  /// Of a sheet that is longer by that share of its width, or of its height.
+  /// Frames of a surface that is longer by that share of its width, or of its height.
   std::vector<FrameResult> stretched_frames(int count, double by_width, double by_height) {
     std::vector<FrameResult> frames;
     for (int i = 0; i < count; ++i) {
@@ -199,7 +199,7 @@ TEST_F(SetupMonitorTest, TellsAWrongFocalLengthOnceInAFrameAndAtTheEndWithItsFig
   }
 }
 
-/// What a template is not is the same in all frames of an object that keeps still.
+/// The error of a template is the same in all frames of a motionless object.
 TEST_F(SetupMonitorTest, TakesFramesThatLookAlikeForOne) {
   Camera given = real_;
   given.fx *= 1.25;
@@ -249,7 +249,7 @@ TEST_F(SetupMonitorTest, TellsAPrincipalPointThatIsOff) {
   EXPECT_THAT(monitor.warnings()[0].text, HasSubstr("px left of and "));
 }
 
-/// By so little that no warning tells it.
+/// The error is too small for a warning.
 TEST_F(SetupMonitorTest, SaysOfAllFramesTogetherWhereThePrincipalPointLies) {
   Camera given = real_;
   given.cx += 12.0;

@@ -42,8 +42,8 @@ TEST_F(StageConfigs, RefusesNamesThatAreIllegalTakenOrReserved) {
                           .second;
   EXPECT_THAT(lines(report),
               ElementsAre("6:38: the name 'one' is used twice",
-                          "7:38: 'as' must not be 'filters', which has a meaning of its own",
-                          "8:38: 'as' must not be 'previous', which has a meaning of its own",
+                          "7:38: 'as' must not be 'filters', which is a reserved name",
+                          "8:38: 'as' must not be 'previous', which is a reserved name",
                           "9:38: 'as' must be a name of a-z, 0-9 and _",
                           "10:38: 'as' must be a name of a-z, 0-9 and _",
                           "11:38: 'as' must be a name of a-z, 0-9 and _"));
@@ -70,7 +70,7 @@ TEST_F(StageConfigs, NamesSinksByTheSameRules) {
                            .second;
   EXPECT_THAT(lines(refused),
               ElementsAre("7:36: the name 'one' is used twice",
-                          "8:36: 'as' must not be 'sinks', which has a meaning of its own"));
+                          "8:36: 'as' must not be 'sinks', which is a reserved name"));
 }
 
 TEST_F(StageConfigs, ReadsNamesAndListsOfNamesFromFrom) {

@@ -24,7 +24,7 @@ const Camera kCamera = make_camera();
 constexpr SheetSpec kSheet{
     .columns = 15, .rows = 10, .width_m = 0.15, .height_m = 0.1, .width_px = 600, .height_px = 400};
 
-/// A label that bulges to where its print is seen from: an arc of a cylinder of this radius.
+/// A label that bulges towards its viewer: an arc of a cylinder of this radius.
 Template label(double radius_m = 0.07) {
   Template templ = make_template(kSheet);
   for (std::int64_t v = 0; v < templ.vertices_m.rows(); ++v) {
@@ -45,7 +45,7 @@ RigidAlignment usual_pose() {
   return pose;
 }
 
-/// `count` places drawn on the mesh, as the camera sees them with noise of `noise_px`.
+/// `count` places sampled on the mesh, as the camera sees them with noise of `noise_px`.
 Correspondences seen(const Template& templ, const RigidAlignment& pose, double noise_px,
                      std::uint64_t seed, std::int64_t count = 200) {
   Rng rng(seed);
@@ -155,7 +155,7 @@ TEST(TemplateFaults, NameTheTurnOfTextureCoordinatesOfACurvedObject) {
   // A label turned upside down and left to right is itself, turned by half a turn.
   for (const bool in_u : {true, false}) {
     EXPECT_THAT(faults_of(look(turned(templ, in_u, !in_u), matches)),
-                ElementsAre(AllOf(HasSubstr("the mesh is mirrored against its picture"),
+                ElementsAre(AllOf(HasSubstr("the mesh is mirrored against its image"),
                                   HasSubstr("px with flip: u or v or space, which fit alike"))));
   }
   EXPECT_THAT(faults_of(look(turned(templ, true, true), matches)), IsEmpty());
@@ -174,7 +174,7 @@ TEST(TemplateFaults, SayThatCoordinatesDisagreeWhereNoTurnMendsThem) {
   wrong.flat_px = Array<double>({templ.flat_px.rows(), 2});
   for (std::int64_t v = 0; v < templ.flat_px.rows(); ++v) {
     const double share = templ.flat_px(v, 0) / 599.0;
-    wrong.flat_px(v, 0) = 599.0 * share * share;  // drawn together on the left
+    wrong.flat_px(v, 0) = 599.0 * share * share;  // compressed on the left
     wrong.flat_px(v, 1) = templ.flat_px(v, 1);
   }
   EXPECT_THAT(faults_of(look(wrong, matches)),

@@ -69,10 +69,10 @@ TEST_F(WiringRefusals, RefusesAMergerThatIsGivenOnlyTheLatest) {
   };
   const std::string matcher = "  - {use: matchers/test.pattern}\n";
   EXPECT_THAT(refusals("  - {use: matchers/test.merge}\n"),
-              ElementsAre("5:5: matchers/test.merge unites several 'correspondences', of which "
-                          "there is none; leave it out"));
+              ElementsAre("5:5: matchers/test.merge unites several 'correspondences', but there is "
+                          "none; leave it out"));
   EXPECT_THAT(refusals(matcher + "  - {use: matchers/test.merge}\n"),
-              ElementsAre(HasSubstr("of which there is one; leave it out")));
+              ElementsAre(HasSubstr("but there is one;  leave it out")));
   EXPECT_THAT(refusals(matcher + matcher + "  - {use: matchers/test.merge}\n"),
               ElementsAre("7:5: matchers/test.merge unites several 'correspondences', and without "
                           "'from' it is given the latest only; choose from: {correspondences: "
@@ -103,54 +103,55 @@ constexpr const char* kSink = "  - {use: sinks/test.scripted}\n";
 TEST_F(WiringRefusals, RefusesAStageWhoseMatchesAnotherReplaces) {
   EXPECT_THAT(
       lines(check(solved(std::string(kMatcher) + kMatcher)).second),
-      ElementsAre("5:5: nobody reads the correspondences of 'matchers', because 'matchers#2' makes "
-                  "new ones; name it with as: NAME and take what it makes with from: "
+      ElementsAre("5:5: no component reads the correspondences of 'matchers', because 'matchers#2' "
+                  "makes new ones; name it with as: NAME and take what it makes with from: "
                   "{correspondences: NAME}, or leave it out: --set without=matchers"));
   EXPECT_THAT(
       lines(check(solved("  - {use: detectors/test.scripted, as: a}\n"
                          "  - {use: detectors/test.scripted, as: b}\n"
                          "  - {use: matchers/test.scripted}\n"))
                 .second),
-      ElementsAre("5:5: nobody reads the keypoints of 'a', because 'b' makes new ones; take "
+      ElementsAre("5:5: no component reads the keypoints of 'a', because 'b' makes new ones; take "
                   "what it makes with from: {keypoints: a}, or leave it out: --set without=a"));
-  // Nobody reads the keypoints either once those matches are gone.
+  // No component reads the keypoints either once those matches are gone.
   EXPECT_THAT(lines(check(solved("  - {use: detectors/test.scripted, as: a}\n"
                                  "  - {use: matchers/test.scripted, as: first}\n" +
                                  std::string(kMatcher)))
                         .second),
-              ElementsAre(HasSubstr("or leave out all that nobody reads: --set without=a,first")));
+              ElementsAre(HasSubstr("or omit all unused ones: --set without=a,first")));
 }
 
 TEST_F(WiringRefusals, RefusesAStageThatComesTooLate) {
   const auto refusals = [&](const std::string& behind, const std::string& sinks = "") {
     return lines(check(solved(kMatcher, behind, sinks)).second);
   };
-  EXPECT_THAT(refusals("  - {use: warps/test.scripted}\n"),
-              ElementsAre("9:5: nobody reads the warp_samples of 'warps#2', which comes after "
-                          "'passes'; move it up, before 'passes', or leave it out: "
-                          "--set without=warps#2"));
-  EXPECT_THAT(refusals("  - {use: passes/test.scripted}\n"),
-              ElementsAre("9:5: nobody reads the sightlines of 'passes#2', which comes after "
-                          "'solvers'; move it up, before 'solvers', or leave it out: "
-                          "--set without=passes#2"));
+  EXPECT_THAT(
+      refusals("  - {use: warps/test.scripted}\n"),
+      ElementsAre("9:5: no component reads the warp_samples of 'warps#2', which comes after "
+                  "'passes'; move it up, before 'passes', or leave it out: --set without=warps#2"));
+  EXPECT_THAT(
+      refusals("  - {use: passes/test.scripted}\n"),
+      ElementsAre(
+          "9:5: no component reads the sightlines of 'passes#2', which comes after 'solvers'; move "
+          "it up, before 'solvers', or leave it out: --set without=passes#2"));
   const std::string filter = "  - {use: filters/test.scripted, as: again}\n";
   const std::string late =
-      "9:5: nobody reads the correspondences of 'again', which comes after 'warps'; move it up, "
-      "before 'warps', or leave it out: --set without=again";
+      "9:5: no component reads the correspondences of 'again', which comes after 'warps'; move it "
+      "up, before 'warps', or leave it out: --set without=again";
   EXPECT_THAT(refusals(filter), ElementsAre(late));
   // A sink that reads the latest matches would show others than those of the shape.
   EXPECT_THAT(
       refusals(filter, kSink),
       ElementsAre("9:5: only sinks read the correspondences of 'again', which comes after 'warps'; "
                   "move it up, before 'warps', or leave it out: --set without=again; a sink that "
-                  "is to show it says "
-                  "from: {correspondences: again}"));
+                  "shows it needs from: {correspondences: again}"));
   EXPECT_THAT(refusals(filter, "  - {use: sinks/test.scripted, from: {correspondences: again}}\n"),
               IsEmpty());
 }
 
 TEST_F(WiringRefusals, TakesStagesWhoseWorkIsReadInOtherWays) {
-  // By a sink, in the next frame, as the shape of frames in which the other solver has none.
+  // A sink reads the first, and the next frame reads the second. The third gives the shape of
+  // frames in which the other solver has none.
   const std::string pass = "  - {use: passes/test.scripted}\n";
   EXPECT_TRUE(check(solved(kMatcher, pass, "  - {use: sinks/test.visibility}\n")).second.ok());
   EXPECT_TRUE(
@@ -172,10 +173,11 @@ TEST_F(WiringRefusals, ReportsUnreadStagesOnlyWhereNothingElseIsWrong) {
                                  "  - {use: matchers/test.pattern, from: {keypoint: a}}\n"))
                         .second),
               ElementsAre(HasSubstr("does not read 'keypoint'")));
-  EXPECT_THAT(lines(check(solved(std::string(kMatcher) +
-                                 "  - {use: matchers/test.pattern, params: {cuont: 1}}\n"))
-                        .second),
-              ElementsAre(HasSubstr("5:5: nobody reads"), HasSubstr("did you mean 'count'?")));
+  EXPECT_THAT(
+      lines(check(solved(std::string(kMatcher) +
+                         "  - {use: matchers/test.pattern, params: {cuont: 1}}\n"))
+                .second),
+      ElementsAre(HasSubstr("5:5: no component reads"), HasSubstr("did you mean 'count'?")));
 }
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace weft {
 
 /// A run that is cancelled before a call: give `cancel` to run_pipeline().
 struct Canceller : testing::Ran {
-  /// Whether it is this one: "detectors detect", and the frame.
+  /// True for the call to cancel: "detectors detect", and the frame.
   using IsIt = std::function<bool(const std::string& call, std::uint64_t frame)>;
 
   explicit Canceller(IsIt is_it) : is_it_(std::move(is_it)) {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs that somebody at a sink changes, pauses or ends, and runs that repeat such changes.
+// Runs that a user at a sink changes, pauses or ends, and runs that repeat such changes.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -140,7 +140,7 @@ TEST_F(Changes, WhatCannotChangeIsRefusedInASentenceAndTheRunGoesOn) {
     EXPECT_THAT(of(fixed),
                 HasSubstr("cannot change while the run goes on; parameters of stages can"));
   }
-  EXPECT_THAT(of(6), HasSubstr("no run knows 'fly'"));
+  EXPECT_THAT(of(6), HasSubstr("no run accepts 'fly'"));
   EXPECT_THAT(of(8), HasSubstr("refuses as scripted"));
 }
 
@@ -227,7 +227,7 @@ TEST_F(Changes, AStageInAProcessOfItsOwnIsFixed) {
   const json settings = json::parse(settings_json(pipeline.config));
   EXPECT_EQ(settings["stages"][2]["changeable"], false);
   EXPECT_EQ(settings["stages"][2]["why_not"],
-            "it runs in a process of its own (--isolate none runs it here)");
+            "it runs in a separate process (--isolate none runs it here)");
 }
 
 TEST_F(Changes, SettingsSayWhatEachParameterMayBeAndIs) {

@@ -30,8 +30,8 @@ class ControlledClock final : public Clock {
     return true;
   }
 
-  /// Returns when somebody waits for a later time: all that is due by now is done. False when that
-  /// takes a minute.
+  /// Returns when a thread waits for a later time: all that was due is done. False when that takes
+  /// a minute.
   bool put_forward(std::chrono::milliseconds by) {
     std::unique_lock lock(mutex_);
     now_ += by;

@@ -187,7 +187,7 @@ TEST_F(DumpTest, RefusesMistakesWithTheirPlace) {
   EXPECT_EQ(find_dump(path("run"), "plan").error().message,
             "the stage 'plan' was not dumped; did you mean 'plane'?");
   EXPECT_EQ(find_dump(file("plane", 0), "filters").error().message,
-            "the dump is of the stage 'plane', not of 'filters'");
+            "the dump has the stage 'plane', not 'filters'");
   EXPECT_EQ(find_dump(path("nothing"), "plane").error().code, Errc::io);
 }
 

@@ -21,7 +21,7 @@ FrameOnItsWay numbered(std::uint64_t index) {
   return frame;
 }
 
-/// What happened, in the order in which it did; from any thread.
+/// Events of any thread, in their order.
 class Notes {
  public:
   void write(const std::string& note) {

@@ -26,8 +26,8 @@ using testing::timeless;
 struct SlowRun : Ran {
   void frame_done(const FrameResult& frame) override {
     Ran::frame_done(frame);
-    if (cancel) return;  // nobody reads any more
-    // What is waited for is the second frame: from now on the clock decides.
+    if (cancel) return;  // no frame is read any more
+    // Wait for the second frame: from now on the clock decides.
     if (frames.size() == 1) {
       EXPECT_TRUE(clock.put_forward(std::chrono::milliseconds(0)));
     }
@@ -126,7 +126,7 @@ TEST_F(Realtime, AStageThatIsDueInADroppedFrameIsCalledInTheNext) {
   for (const FrameResult& frame : ran.frames) {
     if (frame.stages[2].status != StageStatus::skipped) called.push_back(frame.index);
   }
-  // Of 0 2 5 7 10 12 15 17 20, for the multiples 0 4 8 12 16 20.
+  // Each is the first of 0 2 5 7 10 12 15 17 20 at or after one of 0 4 8 12 16 20.
   EXPECT_THAT(called, ElementsAre(0, 5, 10, 12, 17, 20));
 }
 
@@ -152,7 +152,7 @@ TEST_F(Realtime, OfALiveSourceTheLastFrameIsTakenAndNothingIsLostUncounted) {
 }
 
 TEST_F(Realtime, EndsAtOnceWhereItIsStoppedWhileTheSourceWaits) {
-  SlowRun ran;  // nobody puts its clock forward: frame 1 never comes
+  SlowRun ran;  // its clock does not advance: frame 1 never comes
   struct Stopper : Ran {
     void frame_done(const FrameResult&) override { cancel = true; }
     std::atomic<bool> cancel{false};

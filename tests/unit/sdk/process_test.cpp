@@ -16,7 +16,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A host that keeps what it was asked for and may refuse.
+/// A host that records requests and may refuse them.
 struct FakeHost {
   FakeHost() {
     table = {sizeof(table), 0, &alloc, &is_cancelled, &keep_log, nullptr, &adopt, nullptr};
@@ -71,7 +71,7 @@ InlierMask make_mask(std::int64_t n) {
   return {Array<std::uint8_t>({n}, 0), Array<double>({n}, 0.0), {}};
 }
 
-/// A filter that does what its test says.
+/// A filter that runs the script of its test.
 struct Scripted : Filter {
   Result<InlierMask> filter(const FilterInput& in) override { return script(in); }
   std::function<Result<InlierMask>(const FilterInput&)> script;

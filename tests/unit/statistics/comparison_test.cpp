@@ -135,10 +135,10 @@ TEST(Compare, NamesNoWinnerInsideTheNoiseAndSaysWhatWouldHaveShown) {
   EXPECT_NEAR(table->pairs[0].smallest_effect,
               smallest_effect(table->pairs[0].test.standard_deviation, 8), 1e-12);
   EXPECT_THAT(table->pairs[0].sentence,
-              StartsWith("a and b cannot be told apart: mean 3D error 1.5 and 1.5 mm, a difference "
-                         "of 0 mm, 95 % interval "));
+              StartsWith("a and b do not differ significantly: mean 3D error 1.5 and 1.5 mm, a "
+                         "difference of 0 mm, 95 % interval "));
   EXPECT_THAT(table->pairs[0].sentence, HasSubstr("would be shown 4 times in 5"));
-  EXPECT_THAT(table->headline, StartsWith("a and b cannot be told apart"));
+  EXPECT_THAT(table->headline, StartsWith("a and b do not differ significantly"));
   observations.clear();
   add("a", {1, 2, 3, 4, 5, 6}, observations);
   add("b", {1, 2, 3, 4, 5, 6}, observations);
@@ -149,9 +149,10 @@ TEST(Compare, NamesNoWinnerInsideTheNoiseAndSaysWhatWouldHaveShown) {
 TEST(Compare, SaysTooFewBelowSixSequencesAndWithTooManyTests) {
   const auto five = compare(graded({"a", "b"}, 5));
   EXPECT_EQ(five->pairs[0].verdict, Call::too_few);
-  EXPECT_THAT(five->pairs[0].sentence,
-              StartsWith("Too few sequences to tell a from b in mean 3D error: 5 of at least 6; "));
-  EXPECT_THAT(five->headline, StartsWith("Too few sequences to tell a from b"));
+  EXPECT_THAT(
+      five->pairs[0].sentence,
+      StartsWith("Too few sequences to compare a with b in mean 3D error: 5 of at least 6; "));
+  EXPECT_THAT(five->headline, StartsWith("Too few sequences to compare a with b"));
   const auto six = compare(graded({"a", "b"}, 6));
   EXPECT_EQ(six->pairs[0].verdict, Call::a);
   // Three pairs and Friedman's test: 4 x 2/64 > 0.05 for any outcome.
@@ -163,8 +164,8 @@ TEST(Compare, SaysTooFewBelowSixSequencesAndWithTooManyTests) {
   EXPECT_EQ(three->headline, "Too few sequences to decide: 6 for 4 tests.");
 }
 
-/// Ties leave the second pair with six sequences, of which no outcome is called among four tests in
-/// the first place. It is undecided all the same, for it has as many sequences as the one called.
+/// Ties leave the second pair six sequences, too few for any outcome to be called among four tests.
+/// It is undecided all the same, because it has as many sequences as the one called.
 TEST(Compare, CallsPairsOfTheSameNumberOfSequencesTooFewTogether) {
   std::vector<Observation> observations;
   add("a", {1, 2, 3, 4, 5, 6, 7, 8}, observations);
@@ -235,7 +236,7 @@ TEST(Compare, CountsAndNamesWhatHasNoPartner) {
   EXPECT_NEAR(pair.test.mean, -1.0, 0.2);
   EXPECT_THAT(
       pair.sentence,
-      HasSubstr("Left out: 2 results that a lacks, the first at sequence s103, seed 2, frame 9."));
+      HasSubstr("Omitted: 2 results that a lacks, the first at sequence s103, seed 2, frame 9."));
   EXPECT_THAT(pair.sentence, HasSubstr("Sequences without a pair of values: t."));
 }
 
@@ -298,7 +299,7 @@ TEST(Compare, RanksManyTreatmentsWhereAllHaveAValue) {
   EXPECT_THAT(table->friedman->test.mean_ranks, ElementsAre(1.0, 2.0, 3.0));
   EXPECT_TRUE(table->friedman->differ);
   EXPECT_THAT(table->friedman->sentence, StartsWith("Some treatments differ in rank"));
-  EXPECT_THAT(table->friedman->sentence, HasSubstr("Left out: s103."));
+  EXPECT_THAT(table->friedman->sentence, HasSubstr("Omitted: s103."));
   EXPECT_EQ(table->tests, 4);  // one failure can never be called: it is no test
   for (const PairComparison& pair : table->pairs) {
     EXPECT_EQ(pair.verdict, Call::a);
@@ -321,7 +322,7 @@ TEST(Compare, ListsWhatTheBestCannotBeDistinguishedFrom) {
   const auto table = compare(observations);
   EXPECT_THAT(table->headline,
               StartsWith("a is better than 1 of the other 2 in mean 3D error: than b by "));
-  EXPECT_THAT(table->headline, HasSubstr("Not told apart from it: near, higher by "));
+  EXPECT_THAT(table->headline, HasSubstr("Not significantly different from it: near, higher by "));
 }
 
 TEST(Compare, ReportsTheLargestDifferenceWhereNoneIsSignificant) {
@@ -329,9 +330,10 @@ TEST(Compare, ReportsTheLargestDifferenceWhereNoneIsSignificant) {
   add("a", {1, 2, 1, 2, 1, 2, 1, 2, 1, 2}, observations);
   add("b", {2, 1, 2, 1, 2, 1, 2, 1, 2, 1}, observations);
   add("c", {2, 2, 2, 2, 1, 2, 2, 1, 1, 1}, observations);
-  EXPECT_THAT(compare(observations)->headline,
-              StartsWith("None of the 3 can be told from another. a and c cannot be told apart: "
-                         "mean 3D error 1.50 and 1.60 mm, a difference of 0.1 mm, "));
+  EXPECT_THAT(
+      compare(observations)->headline,
+      StartsWith("None of the 3 differs significantly from another. a and c do not differ "
+                 "significantly: mean 3D error 1.50 and 1.60 mm, a difference of 0.1 mm, "));
 }
 
 TEST(Compare, SplitsGroupsAndCorrectsForAllOfThem) {
@@ -350,11 +352,11 @@ TEST(Compare, SplitsGroupsAndCorrectsForAllOfThem) {
   const double alone = compare(groups[1].observations)->pairs[0].p_holm;
   EXPECT_DOUBLE_EQ((*tables)[1].pairs[0].p_holm, 2.0 * alone);
   EXPECT_THAT((*tables)[0].headline,
-              StartsWith("With easy, a and b cannot be told apart: mean 3D "));
+              StartsWith("With easy, a and b do not differ significantly: mean 3D "));
   EXPECT_EQ((*tables)[1].headline,
             "With hard, a is better than b by 1 mm: mean 3D error 4.5 instead of 5.5 mm, 95 % "
             "interval 1 to 1 mm and p = 0.0156 after Holm's correction for 2 tests, 8 sequences.");
-  // A group without results has nothing to say, and takes nothing from the others.
+  // A group without results has no comparisons, and takes none from the others.
   groups.push_back({"With none", {}});
   EXPECT_TRUE((*compare_separately(groups))[2].pairs.empty());
   EXPECT_EQ((*compare_separately(groups))[1].tests, 2);

@@ -27,8 +27,8 @@ double heavy_tailed(Rng& rng) { return rng.normal() / std::sqrt(-std::log(1.0 - 
 /// Log-normal, as errors in millimetres are: skewness 6.
 double skewed(Rng& rng) { return std::exp(rng.normal()); }
 
-/// Treatments that differ by chance only. Sequences are of different difficulty, and the noise of
-/// the frames of a sequence is alike.
+/// Treatments that differ by chance only. Sequences differ in difficulty, and the frames of a
+/// sequence have similar noise.
 std::vector<Observation> alike(const std::vector<std::string>& treatments, int sequences,
                                const Noise& noise, double failure_rate, Rng& rng) {
   std::vector<Observation> observations;
@@ -94,8 +94,8 @@ TEST(FalseCallsOfMany, StayBelowOneInTwentyForTheWholeTable) {
   EXPECT_LT(called_percent({"a", "b"}, 12, heavy_tailed, 0.2, 46), 6.5);
 }
 
-/// Differences with the mean 0 of which one side has the long tail: equal means, but unequal
-/// treatments. The exactness of the test is lost; docs/statistics.md gives the figures.
+/// Differences with mean 0 and a long tail on one side: equal means, but unequal treatments. The
+/// test is not exact then; docs/statistics.md gives the figures.
 TEST(FalseCallsOfSkewedDifferences, AreMoreThanOneInTwentyButNotMany) {
   for (const int sequences : {8, 20}) {
     Rng rng(47);
@@ -113,7 +113,7 @@ TEST(FalseCallsOfSkewedDifferences, AreMoreThanOneInTwentyButNotMany) {
   }
 }
 
-/// Of normal values around 0: percent of 95 % intervals that hold it.
+/// Percentage of 95 % intervals that contain the mean 0 of normal values.
 TEST(Intervals, OfDifferencesHoldTheTruthAsOftenAsTheySayAndOfMeansNearlySo) {
   for (const int n : {6, 8, 20}) {
     Rng rng(48);

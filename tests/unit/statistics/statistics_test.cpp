@@ -224,8 +224,8 @@ TEST(Friedman, SharesRanksAmongTies) {
   EXPECT_EQ(tied->mean_ranks, (Values{4.5 / 3.0, 6.0 / 3.0, 7.5 / 3.0}));
   // (k - 1) (sum of squared deviations of rank sums) / (sum of squared deviations of ranks)
   EXPECT_DOUBLE_EQ(tied->chi_squared, 2.0 * 4.5 / 3.0);
-  // The orders of the first and third sequence that differ are 3 x 3; only those two matter, and
-  // rank sums as far apart occur where the odd ranks stand apart: in 6 of 9.
+  // Only the first and third sequence matter; they have 3 x 3 different orders. The rank sums
+  // differ as much where the untied ranks are in different columns: in 6 of 9.
   EXPECT_DOUBLE_EQ(tied->p, 6.0 / 9.0);
   const auto equal = friedman(Table{{1, 1}, {2, 2}});
   EXPECT_EQ(equal->chi_squared, 0.0);

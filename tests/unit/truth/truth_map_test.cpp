@@ -144,7 +144,7 @@ TEST(MatchLabels, AgreeWithHowTheMatchesWereDrawn) {
   EXPECT_LE(disagree, 1) << "seed " << kMapSeed;
 }
 
-/// The cylinder's truth as a surface, of which the points with x > `seen_to_m` are hidden.
+/// The cylinder's truth as a surface, on which the points with x > `seen_to_m` are hidden.
 GroundTruth surface_of(const Bent& bent, int columns, int rows, double seen_to_m) {
   GroundTruth truth = bent.truth(columns, rows);
   truth.faces = make_array<std::int32_t>(*rectangular_grid_faces(columns, rows));

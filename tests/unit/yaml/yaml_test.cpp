@@ -231,9 +231,9 @@ TEST(Yaml, CollectsAliasesWithoutAnchorAmongOtherProblems) {
   EXPECT_EQ(problems[1].rfind("2:5 no anchor '&beta'", 0), 0u) << problems[1];
   EXPECT_EQ(problems[2].rfind("2:12 no anchor '&gamma'", 0), 0u) << problems[2];
   EXPECT_EQ(problems[3].rfind("3:1 duplicate", 0), 0u) << problems[3];
-  EXPECT_NE(problems[4].find("5:4 no anchor '&alpha' stands before this alias; did you mean "
-                             "'*alpha_s'?"),
-            std::string::npos)
+  EXPECT_NE(
+      problems[4].find("5:4 no anchor '&alpha' precedes this alias; did you mean '*alpha_s'?"),
+      std::string::npos)
       << problems[4];
   EXPECT_EQ(problems[5].rfind("6:4 tag", 0), 0u) << problems[5];
   EXPECT_NE(problems[6].find("put a space before the ':'"), std::string::npos) << problems[6];
@@ -244,7 +244,7 @@ TEST(Yaml, StillReportsASyntaxErrorAloneBehindAnUnknownAlias) {
 }
 
 TEST(Yaml, RefusesAnAliasInsideItsOwnAnchor) {
-  expect_problem("a: &x [1, *x]", "1:11", "its own anchor");
+  expect_problem("a: &x [1, *x]", "1:11", "the anchor that it names");
 }
 
 TEST(Yaml, StopsBillionLaughsCheaply) {

@@ -45,8 +45,9 @@ void add_board_options(CLI::App& app, BoardOptions& options) {
       ->option_text("NAME [charuco]");
   app.add_option("--squares", options.squares, "Squares of the board, or circles in a row and rows")
       ->option_text("COLUMNSxROWS [7x5]");
-  app.add_option("--square", options.square_m,
-                 "Side of a square as measured on the print, or distance of rows of circles")
+  app.add_option(
+         "--square", options.square_m,
+         "Side of a square as measured on the printed board, or distance of rows of circles")
       ->option_text("METRES [0.03]");
   app.add_option("--dictionary", options.dictionary,
                  "Dictionary of ArUco markers of a charuco board")

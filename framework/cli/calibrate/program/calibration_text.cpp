@@ -20,7 +20,7 @@ std::string calibration_text(const calibration::Calibration& calibration) {
   const calibration::Solution& solution = calibration.solution;
   std::string text;
   for (const std::string& name : calibration.odd) {
-    text += fmt::format("left out, as it does not fit the others: {}\n", escaped(name));
+    text += fmt::format("excluded, as it does not fit the others: {}\n", escaped(name));
   }
   text += fmt::format("{} views used, error {:.3f} px, condition {:.1g}\n",
                       calibration.views.size(), solution.rms_px, solution.condition);

@@ -90,7 +90,8 @@ Result<void> check_options(const CameraOptions& options) {
     return Error{Errc::invalid_value, "give images, a video or --camera N, one of them"};
   }
   if (options.out.empty()) {
-    return Error{Errc::invalid_value, "is missing: say where the camera file goes", "--out"};
+    return Error{Errc::invalid_value, "is missing: give the path of the camera file to write",
+                 "--out"};
   }
   for (const int known : {0, 4, 5, 8}) {
     if (options.distortion != known) continue;
@@ -147,7 +148,8 @@ std::function<int()> add_camera_options(CLI::App& app) {
   app.add_option("--camera", options->camera, "Take the images from the camera /dev/videoN")
       ->option_text("N")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--out", options->out, "The camera file; the picture of residuals goes beside it")
+  app.add_option("--out", options->out,
+                 "The camera file; the image of residuals is written beside it")
       ->option_text("FILE");
   add_board_options(app, options->board);
   app.add_option("--distortion", options->distortion,

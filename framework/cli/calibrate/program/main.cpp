@@ -14,8 +14,9 @@ int run(int argc, char** argv) {
   CLI::App app{"Makes a camera file from images of a printed board.", "weft calibrate"};
   app.set_version_flag("--version", weft::kVersion);
   app.footer(
-      "Exits with 0, with 1 when the images do not determine a camera that can be trusted, 2 on "
-      "wrong usage, 3 when a file or the standard output cannot be read or written.");
+      "Exits with 0 on success and with 1 when the images do not determine the camera reliably. "
+      "Exits with 2 on wrong usage, and with 3 when a file or the standard output cannot be read "
+      "or written.");
   int exit_code = weft::cli::kDone;
   const auto calibrate = weft::cli::add_camera_options(app);
   weft::cli::add_board_command(app, exit_code);

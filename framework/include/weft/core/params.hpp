@@ -35,7 +35,7 @@ inline Range within_int(Range range) {
 
 }  // namespace detail
 
-/// Whether a parameter is optional or required.
+/// Distinguishes optional from required parameters.
 enum class Need { optional, required };
 
 /// A nested component. The classes of weft/sdk/nested.hpp derive typed handles from it.

@@ -36,7 +36,7 @@ inline bool is_device(const std::filesystem::path& file) {
   return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
 }
 
-/// Whether a file must survive a power cut once its writer has returned. Files written per frame
+/// Specifies if a file must survive a power cut after its writer returned. Files written per frame
 /// are not synced, because a wait for the disk would slow the frames down.
 enum class Durability { synced, unsynced };
 

@@ -55,7 +55,8 @@ struct Correspondences {
     visit(self.kept, Field{"kept", "N", "0 or 1", "1 unless a filter rejected it"});
     visit(self.score, Field{"score", "N", "", "larger is more trusted"});
     visit(self.confidence,
-          Field{"confidence", "", "0 to 1", "least that a filter said of what it kept", true});
+          Field{"confidence", "", "0 to 1",
+                "least confidence that a filter stated for the matches it kept", true});
     visit(self.template_xy_m, Field{"template_xy_m", "N,2", "m",
                                     "m_per_px * (u,v); the host makes template_px of it", true});
     visit(self.diag, Field{"diag.*", "*", "", "evidence", true});
@@ -75,8 +76,8 @@ struct InlierMask {
   static void fields(Self& self, Visit&& visit) {
     visit(self.kept, Field{"kept", "N", "0 or 1", "1 for a match that is kept"});
     visit(self.score, Field{"score", "N", "", "larger is more trusted"});
-    visit(self.confidence,
-          Field{"confidence", "", "0 to 1", "probability that what is kept is the object", true});
+    visit(self.confidence, Field{"confidence", "", "0 to 1",
+                                 "probability that the kept matches show the object", true});
     visit(self.diag, Field{"diag.*", "*", "", "evidence", true});
   }
 };

@@ -49,7 +49,8 @@ struct GroundTruth {
     visit(self.template_xy_m, Field{"template_xy_m", "T,2", "m", "m_per_px * (u,v)"});
     visit(self.points_m, Field{"points_m", "T,3", "m, camera", "true positions"});
     visit(self.kind, Field{"kind", "*", "", "how the truth was measured"});
-    visit(self.exclusion, Field{"apart", "*", "", "why the frame is reported apart, or empty"});
+    visit(self.exclusion,
+          Field{"apart", "*", "", "why the frame is reported separately, or empty"});
     visit(self.faces, Field{"faces", "F,3", "index", "triangles over the true points", true});
     visit(self.visible, Field{"visible", "T", "0 or 1", "1 where the camera sees the point", true});
     visit(self.depth_m,
@@ -61,11 +62,11 @@ struct GroundTruth {
           Field{"match_label", "N", "-1, 0 or 1",
                 "of the source's matches: correct 1, mismatch 0, unknown -1", true});
     visit(self.cloud_m, Field{"cloud_m", "P,3", "m, camera",
-                              "points of the surface, nobody knows where on it", true});
+                              "points of the surface without a known place on it", true});
     visit(self.cloud_faces,
           Field{"cloud_faces", "G,3", "index", "triangles over the points of the cloud", true});
     visit(self.part_names,
-          Field{"part_names", "*", "", "parts that are scored apart, one a line", true});
+          Field{"part_names", "*", "", "parts that are scored separately, one a line", true});
     visit(self.point_part,
           Field{"point_part", "T", "index", "part of each true point, -1 for none", true});
     visit(self.cloud_part,

@@ -34,8 +34,8 @@ struct Shape {
     visit(self.state, Field{"state", "", "", "1 estimated, 2 weak, 3 predicted, 4 lost"});
     visit(self.age_frames, Field{"age", "", "frames", "since it was measured"});
     visit(self.confidence, Field{"confidence", "", "0 to 1",
-                                 "probability that the mean error of what is seen is below 2 % of "
-                                 "the template's diagonal; 0 where not measured in this frame"});
+                                 "probability that the mean error of the visible part is below 2 % "
+                                 "of the template's diagonal; 0 where not measured in this frame"});
     visit(self.source, Field{"source", "V", "0 or 1", "1 measured, 0 filled in by the prior"});
     visit(self.covariance_m2,
           Field{"covariance_m2", "V,3,3", "m^2, camera", "of each vertex", true});

@@ -77,8 +77,8 @@ class Pipeline {
 
   /// Runs all stages on an undistorted image of the camera's size, [H,W] grey levels or [H,W,3]
   /// BGR. `t_s` is the time in seconds since the first image. The image is copied. A stage without
-  /// a result or with an error is part of the result. An Error means that nothing was processed:
-  /// the image does not fit the camera, `t_s` is before the last image's time (equal is legal), or
+  /// a result or with an error is part of the result. An Error means that nothing was processed.
+  /// The image does not fit the camera, `t_s` is before the last image's time (equal is legal), or
   /// the process was forked after load().
   Result<ProcessedFrame> process(const Image& image, double t_s);
 

@@ -20,9 +20,9 @@ struct CurvatureWave {
   double phase_rad = 0.0;        ///< [] rad, phase at the centre
 };
 
-/// Bend of a flat sheet around parallel straight rulings. The curvature varies along (cos a, sin a)
-/// in the sheet; the rulings run along (-sin a, cos a), with a = ruling_angle_rad. Positive
-/// curvature turns the hollow side to +z, away from a camera in front of the sheet.
+/// Bend of a flat surface around parallel straight rulings. The curvature varies along (cos a, sin
+/// a) in the surface; the rulings run along (-sin a, cos a), with a = ruling_angle_rad. Positive
+/// curvature turns the hollow side to +z, away from a camera in front of the surface.
 struct SheetBend {
   double ruling_angle_rad = 0.0;       ///< [] rad, angle a of the curvature's direction
   double constant_per_m = 0.0;         ///< [] 1/m, reciprocal of a cylinder's radius
@@ -37,7 +37,7 @@ struct SheetBend {
     return sum;
   }
 
-  /// Angle by which the sheet has turned since the centre, in rad: the integral of the curvature.
+  /// Angle by which the surface has turned since the centre, in rad: the integral of the curvature.
   double turn_rad(double s_m) const {
     double sum = constant_per_m * s_m;
     for (const CurvatureWave& w : waves) {
@@ -49,17 +49,17 @@ struct SheetBend {
   }
 };
 
-/// An isometric deformation of a flat sheet with exact ground truth: a generalised cylinder
+/// An isometric deformation of a flat surface with exact ground truth: a generalised cylinder
 /// followed by a rigid motion. Let s and t be the coordinates of (x,y) - centre across and along
 /// the rulings. The point is camera_from_template * (centre + c(s) + t * ruling). The plane curve c
 /// has unit speed and the given curvature. The centre keeps its position and tangent plane. c is
 /// tabulated with Gauss-Legendre quadrature and read by quintic Hermite interpolation; lengths are
-/// exact to better than 1e-9. A strongly bent sheet may intersect itself.
+/// exact to better than 1e-9. A strongly bent surface may intersect itself.
 class DevelopableSheet {
  public:
-  /// Bends the part within `reach_m` of the centre (half of the sheet's diagonal); the sheet is
+  /// Bends the part within `reach_m` of the centre (half of the surface's diagonal); the surface is
   /// flat beyond. Fails on non-finite numbers, on reach or period <= 0, and on profiles with more
-  /// than about 10000 rad of turn or phase over the sheet.
+  /// than about 10000 rad of turn or phase over the surface.
   static Result<DevelopableSheet> create(const Eigen::Vector2d& centre_m, double reach_m,
                                          SheetBend bend,
                                          const Eigen::Isometry3d& camera_from_template) {
@@ -73,7 +73,7 @@ class DevelopableSheet {
     const double intervals = std::ceil(reach_m * fastest_per_m / kTurnPerInterval);
     if (!legal || !(intervals <= 1e6)) {
       return Error{Errc::invalid_value,
-                   "a bent sheet needs finite numbers, reach and periods above 0 and a curvature "
+                   "a bent surface needs finite numbers, reach and periods above 0 and a curvature "
                    "that does not turn it more than 10000 rad: correct the profile"};
     }
     DevelopableSheet sheet(centre_m, std::move(bend), camera_from_template);
@@ -81,7 +81,7 @@ class DevelopableSheet {
     return sheet;
   }
 
-  /// The point of the sheet at template position (x,y) in m, in the camera frame, m.
+  /// The point of the surface at template position (x,y) in m, in the camera frame, m.
   Eigen::Vector3d at(double x_m, double y_m) const {
     return camera_from_template_ * bent(x_m, y_m);
   }
@@ -95,7 +95,8 @@ class DevelopableSheet {
     return {in_plane.x(), in_plane.y(), curve.y()};
   }
 
-  /// The unit normal in the camera frame; (0,0,-1), towards the camera, for an unmoved flat sheet.
+  /// The unit normal in the camera frame; (0,0,-1), towards the camera, for an unmoved flat
+  /// surface.
   Eigen::Vector3d normal(double x_m, double y_m) const {
     const double s = across_.dot(Eigen::Vector2d(x_m, y_m) - centre_m_);
     const double turn = bend_.turn_rad(std::clamp(s, -reach_m_, reach_m_));

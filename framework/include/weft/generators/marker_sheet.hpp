@@ -17,7 +17,7 @@
 
 namespace weft {
 
-/// A square fiducial marker; x right and y down from the top left corner of the sheet.
+/// A square fiducial marker; x right and y down from the top left corner of the paper.
 struct SheetMarker {
   int id = 0;            ///< [] index in the dictionary
   Points2 corners_mm{};  ///< [4,2] mm, clockwise in the image, from the marker's top left corner
@@ -25,7 +25,7 @@ struct SheetMarker {
   Eigen::Vector2d centre_mm() const { return corners_mm.colwise().mean(); }
 };
 
-/// A flat sheet with fiducial markers.
+/// A flat paper with fiducial markers.
 struct MarkerSheet {
   double width_mm = 0.0;               ///< [] mm, width of the paper
   double height_mm = 0.0;              ///< [] mm, height of the paper
@@ -33,7 +33,7 @@ struct MarkerSheet {
   std::vector<SheetMarker> markers{};  ///< [.] markers in the order of their indices
 };
 
-/// Layout of markers; the defaults describe a sheet of A4 paper.
+/// Layout of markers; the defaults describe an A4 paper.
 struct MarkerSheetSpec {
   static constexpr int kCaption_mm =
       8;  ///< height of the lowest strip, reserved for a line of text
@@ -87,7 +87,7 @@ inline std::vector<std::pair<int, int>> place_markers(const MarkerSheetSpec& spe
 }  // namespace detail
 
 /// Places markers 0 to count - 1 at random positions in whole millimetres, upright, by
-/// best-candidate sampling. The same spec gives the same sheet on every platform. Fails if the
+/// best-candidate sampling. The same spec gives the same layout on every platform. Fails if the
 /// markers do not fit.
 inline Result<MarkerSheet> lay_out_markers(const MarkerSheetSpec& spec) {
   constexpr int kAttempts = 20;
@@ -108,11 +108,11 @@ inline Result<MarkerSheet> lay_out_markers(const MarkerSheetSpec& spec) {
   return Error{Errc::invalid_value,
                std::to_string(spec.count) + " markers of " + std::to_string(spec.marker_mm) +
                    " mm with gaps of " + std::to_string(spec.gap_mm) +
-                   " mm do not fit on a sheet of " + std::to_string(spec.width_mm) + " x " +
+                   " mm do not fit on a page of " + std::to_string(spec.width_mm) + " x " +
                    std::to_string(spec.height_mm) + " mm: take fewer, smaller or closer ones"};
 }
 
-/// Encodes the sheet as YAML for sources. Numbers are integers or have up to 3 decimals.
+/// Encodes the layout as YAML for sources. Numbers are integers or have up to 3 decimals.
 inline std::string to_yaml(const MarkerSheet& sheet) {
   const auto number = [](double value) {
     std::string text = std::to_string(std::round(value * 1000.0) / 1000.0);
@@ -123,7 +123,7 @@ inline std::string to_yaml(const MarkerSheet& sheet) {
   };
   const auto pair = [&](const auto& p) { return "[" + number(p.x()) + ", " + number(p.y()) + "]"; };
   std::string text =
-      "# Printed markers: mm, x right and y down from the top left corner of the sheet; corners\n"
+      "# Printed markers: mm, x right and y down from the top left corner of the page; corners\n"
       "# are clockwise from the marker's own top left one.\n"
       "marker_sheet: 1\ndictionary: " +
       sheet.dictionary + "\nwidth_mm: " + number(sheet.width_mm) +

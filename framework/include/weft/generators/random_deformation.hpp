@@ -20,11 +20,11 @@
 namespace weft {
 
 /// The random deformations of the synthetic experiments of Shetab-Bushehri et al. 2023, Section V.
-/// Two cells of a fronto-parallel sheet, in the middle row at the left and the right border, each
+/// Two cells of a fronto-parallel surface, in the middle row at the left and the right border, each
 /// get a random rigid motion. Position-based dynamics (Mueller et al. 2007) moves the other
 /// vertices. The paper does not give the ranges; these are our own.
 struct RandomDeformationSpec {
-  double distance_m = 0.65;               ///< [] m, initial distance of the sheet
+  double distance_m = 0.65;               ///< [] m, initial distance of the surface
   Eigen::Vector3d turn_rad{0.7, 1, 0.5};  ///< [3] rad, uniform in +- this value about x, y and z
   double approach_m = 0.06;               ///< [] m, motion towards each other, uniform from 0
   double shift_y_m = 0.03;                ///< [] m, uniform in +- this value
@@ -40,13 +40,13 @@ struct RandomDeformation {
   Points3 vertices_m;       ///< [V,3] m, camera frame
   double max_strain = 0.0;  ///< [] largest edge strain |l / l0 - 1|
   bool accepted =
-      false;  ///< true if no edge exceeds the strain limit and the sheet is in the image
+      false;  ///< true if no edge exceeds the strain limit and the surface is in the image
 };
 
-/// Draws deformations of one sheet.
+/// Draws deformations of one surface.
 class SheetDeformer {
  public:
-  /// Makes a deformer of a flat sheet [columns * rows,3] m with the faces of
+  /// Makes a deformer of a flat surface [columns * rows,3] m with the faces of
   /// rectangular_grid_faces(), row by row. Fails on a grid below 4 x 2, where the two cells would
   /// share vertices, and on edges of length 0.
   static Result<SheetDeformer> create(int columns, int rows, const Points3View& rest_m,
@@ -54,7 +54,7 @@ class SheetDeformer {
     const auto faces = rectangular_grid_faces(columns, rows);
     if (!faces || columns < 4 || rest_m.rows() != Eigen::Index{columns} * rows) {
       return Error{Errc::invalid_value,
-                   "a sheet to be deformed needs at least 4 columns and 2 rows of vertices"};
+                   "a surface to be deformed needs at least 4 columns and 2 rows of vertices"};
     }
     const auto topology = build_topology(*faces, rest_m.rows());
     if (!topology) return topology.error();

@@ -14,7 +14,7 @@
 
 namespace weft {
 
-/// Settings for drawn matches, as in Shetab-Bushehri et al. 2023, Section V.
+/// Settings for randomly generated matches, as in Shetab-Bushehri et al. 2023, Section V.
 struct RandomMatchesSpec {
   int count = 1000;           ///< [] number of matches
   double correct_rate = 1.0;  ///< [] the first round((1 - rate) * count) matches are outliers

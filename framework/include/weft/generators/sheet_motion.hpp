@@ -9,17 +9,17 @@
 namespace weft {
 
 /// Motion of a sheet of paper that moves and bends smoothly in front of the camera. Pose, ruling
-/// direction and curvature are sums of sines of time with unrelated periods. At t = 0 the sheet is
-/// flat and fronto-parallel, with its centre on the optical axis.
+/// direction and curvature are sums of sines of time with unrelated periods. At t = 0 the surface
+/// is flat and fronto-parallel, with its centre on the optical axis.
 struct SheetMotion {
-  double width_m = 0.297;   ///< [] m, width of the sheet
-  double height_m = 0.21;   ///< [] m, height of the sheet
-  double distance_m = 0.6;  ///< [] m, from the camera to the centre of the sheet
+  double width_m = 0.297;   ///< [] m, width of the surface
+  double height_m = 0.21;   ///< [] m, height of the surface
+  double distance_m = 0.6;  ///< [] m, from the camera to the centre of the surface
   double bend_per_m = 6.0;  ///< [] 1/m, maximum curvature
   double tilt_rad = 0.4;    ///< [] rad, maximum rotation about each axis
   double travel_m = 0.02;   ///< [] m, maximum displacement along x; less along y, more along z
   double period_s = 4.0;    ///< [] s, period of the slowest part of the motion
-  Eigen::Vector2d centre_m{0.1485, 0.105};  ///< [2] m, centre of the sheet in the template frame
+  Eigen::Vector2d centre_m{0.1485, 0.105};  ///< [2] m, centre of the surface in the template frame
 
   /// The bend at time t, in s.
   SheetBend bend_at(double t_s) const {
@@ -50,7 +50,7 @@ struct SheetMotion {
     return camera_from_template;
   }
 
-  /// The sheet at time t, in s. Fails in the cases of DevelopableSheet::create.
+  /// The surface at time t, in s. Fails in the cases of DevelopableSheet::create.
   Result<DevelopableSheet> at(double t_s) const {
     return DevelopableSheet::create(centre_m, 0.5 * std::hypot(width_m, height_m), bend_at(t_s),
                                     pose_at(t_s));

@@ -43,7 +43,7 @@ inline Result<std::vector<DistanceConstraint>> distance_constraints(
     const double length = (rest_vertices_m.row(i) - rest_vertices_m.row(j)).norm();
     if (!(length > 0.0) || !std::isfinite(length)) {
       return Error{Errc::invalid_data,
-                   name() + " has no length at rest: move the vertices apart or merge them"};
+                   name() + " has no length at rest: separate the vertices or merge them"};
     }
     constraints.push_back({i, j, length});
   }

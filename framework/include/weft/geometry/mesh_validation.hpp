@@ -64,7 +64,7 @@ inline Result<void> check_isolated(const FacesView& faces, Eigen::Index vertex_c
 }
 
 inline Error zero_area(Eigen::Index face) {
-  return bad_mesh(face_name(face) + " has no area: remove it or move its vertices apart");
+  return bad_mesh(face_name(face) + " has no area: remove it or separate its vertices");
 }
 
 }  // namespace detail

@@ -48,7 +48,7 @@ inline Result<void> check_alignable(const Points3View& source, const Points3View
     return no_alignment(std::to_string(source.rows()) + " points are given, at least 3 are needed");
   }
   if (!source.allFinite() || !target.allFinite()) {
-    return Error{Errc::invalid_data, "alignment needs finite points: leave out the others"};
+    return Error{Errc::invalid_data, "alignment needs finite points: remove the others"};
   }
   return {};
 }

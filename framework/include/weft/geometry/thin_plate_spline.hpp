@@ -114,11 +114,10 @@ class AffineComplement {
 
 }  // namespace detail
 
-/// The spline with a centre at each site [n,2] that minimises
-///   sum_k |f(o_k) - y_k|^2 / slack_k + (bending energy / 16 pi)
-/// over sites shifted to zero mean and scaled to unit RMS radius. slack [n] has no unit; 0
-/// interpolates. The cost is n^3 operations. Returns no_result for fewer than 3 sites, for sites on
-/// a line and, with a slack of 0, for duplicate sites.
+/// The spline with a centre at each site [n,2] that minimises sum_k |f(o_k) - y_k|^2 / slack_k +
+/// (bending energy / 16 pi). The sites are shifted to zero mean and scaled to unit RMS radius.
+/// slack [n] has no unit; 0 interpolates. The cost is n^3 operations. Returns no_result for fewer
+/// than 3 sites, for sites on a line and, with a slack of 0, for duplicate sites.
 inline Result<ThinPlateFit> fit_thin_plate(const Points2View& sites, const Points2View& values,
                                            const Eigen::VectorXd& slack,
                                            bool leave_one_out = false) {

@@ -20,8 +20,8 @@ struct FixedText {
   char bytes[Size]{};
 };
 
-// By value: GCC with -fsanitize=undefined does not accept the address of a template argument as
-// constant.
+// Passed by value: GCC with -fsanitize=undefined does not accept the address of a template argument
+// as constant.
 template <std::size_t Size>
 constexpr bool is_id(FixedText<Size> text) {
   return is_component_id(text.view());
@@ -68,9 +68,9 @@ constexpr void check_component() {
   static_assert(SaysAbout<T>,
                 "kAbout of a component is public and a weft::About: write `static constexpr "
                 "weft::About kAbout{...};` below `public:`");
-  static_assert(!MisspellsAbout<T>,
-                "a component calls its weft::About kAbout; this one has another name, which nobody "
-                "reads");
+  static_assert(
+      !MisspellsAbout<T>,
+      "a component calls its weft::About kAbout; this one has another name, which is never read");
 }
 
 }  // namespace weft::detail

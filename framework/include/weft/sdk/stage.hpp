@@ -117,7 +117,7 @@ class Stage : public Prepared {
     std::string wrong;
     const auto expect = [&](std::string_view list, const char* slot, const char* member) {
       if (!detail::names(list, slot) && wrong.empty()) {
-        wrong = std::string("its slot '") + slot + "' does not stand in kAbout." + member;
+        wrong = std::string("its slot '") + slot + "' is missing in kAbout." + member;
       }
     };
     Input::slots(input, [&](const char* slot, auto& member) {

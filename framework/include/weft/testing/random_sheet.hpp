@@ -13,7 +13,7 @@ struct DrawnDeformation {
   int draws = 0;            ///< [] number of draws, including this one
 };
 
-/// The first accepted deformation of a template from make_template(sheet). Returns no_result after
+/// The first accepted deformation of a template from make_template(). Returns no_result after
 /// max_draws.
 Result<DrawnDeformation> draw_deformation(const SheetSpec& sheet, const Camera& camera, Rng& rng,
                                           const RandomDeformationSpec& spec = {});

@@ -11,7 +11,7 @@ namespace weft::testing {
 struct ContractReport {
   int checks = 0;  ///< [] number of checks
   std::vector<std::string>
-      failures;  ///< failures, such as "with 0 matches: says ok and keeps no match"
+      failures;  ///< failures, such as "with 0 matches: reports ok without evidence"
   std::vector<std::string> deviations;    ///< failures of checks that are allowed to fail
   std::vector<std::string> inapplicable;  ///< checks that do not apply: "image scaled: why"
   std::string skipped;                    ///< reason why nothing was checked; empty otherwise

@@ -21,12 +21,12 @@ inline Pinhole pinhole(const Camera& camera) {
   return {camera.fx, camera.fy, camera.cx, camera.cy};
 }
 
-/// A rectangular sheet with square cells; `columns` and `rows` are numbers of vertices.
+/// A rectangular surface with square cells; `columns` and `rows` are numbers of vertices.
 struct SheetSpec {
   int columns = 10;         ///< [] vertices along the width
   int rows = 6;             ///< [] vertices along the height
-  double width_m = 0.297;   ///< [] m, width of the sheet
-  double height_m = 0.178;  ///< [] m, height of the sheet
+  double width_m = 0.297;   ///< [] m, width of the surface
+  double height_m = 0.178;  ///< [] m, height of the surface
   int width_px = 960;       ///< [] px of the texture, width
   int height_px = 575;      ///< [] px of the texture, height
 };
@@ -35,7 +35,7 @@ struct SheetSpec {
 /// pitch * (u, v, 0). The texture is grey level 128, the mask is 1 and `revision` is 0.
 Template make_template(const SheetSpec& spec = {});
 
-/// Pose of the sheet's centre; rotations about z, then y, then x.
+/// Pose of the surface's centre; rotations about z, then y, then x.
 struct PoseSpec {
   double distance_m = 0.65;  ///< [] m, distance from the camera
   double x_m = 0.0;          ///< [] m, x in the camera frame
@@ -45,10 +45,10 @@ struct PoseSpec {
   double roll_rad = 0.0;     ///< [] rad, rotation about z
 };
 
-/// camera_from_template of a flat sheet in this pose.
+/// camera_from_template of a flat surface in this pose.
 Eigen::Isometry3d make_pose(const SheetSpec& sheet, const PoseSpec& pose);
 
-/// The bent sheet in this pose. Throws std::invalid_argument for an illegal bend.
+/// The bent surface in this pose. Throws std::invalid_argument for an illegal bend.
 DevelopableSheet make_bent_sheet(const SheetSpec& sheet, const SheetBend& bend,
                                  const PoseSpec& pose = {});
 
@@ -56,13 +56,13 @@ DevelopableSheet make_bent_sheet(const SheetSpec& sheet, const SheetBend& bend,
 DevelopableSheet make_cylinder(const SheetSpec& sheet, double radius_m, double ruling_angle_rad,
                                const PoseSpec& pose = {});
 
-/// The template's vertices on the bent sheet, [V,3] m, camera frame.
+/// The template's vertices on the bent surface, [V,3] m, camera frame.
 Points3 bent_vertices(const Template& templ, const DevelopableSheet& sheet);
 
 /// Returns whether all points [N,3] m, camera frame, project into the image.
 bool all_in_image(const Camera& camera, const Points3View& points_m);
 
-/// Settings for drawn matches.
+/// Settings for randomly generated matches.
 struct MatchSpec {
   int count = 200;                 ///< [] number of matches
   double correct_rate = 1.0;       ///< [] the first round((1 - rate) * count) matches are outliers
@@ -83,7 +83,7 @@ struct LabelledMatches {
 LabelledMatches draw_matches(const Template& templ, const Camera& camera,
                              const Points3View& vertices_m, const MatchSpec& spec, Rng& rng);
 
-/// The same with ground truth from the smooth sheet instead of its mesh.
+/// The same with ground truth from the smooth surface instead of its mesh.
 LabelledMatches draw_matches(const Template& templ, const Camera& camera,
                              const DevelopableSheet& sheet, const MatchSpec& spec, Rng& rng);
 

@@ -196,7 +196,7 @@ std::vector<Illegal> wrong_types(const host::ComponentManifest& component) {
   std::vector<Illegal> all;
   for (const ParameterSpec& parameter : component.parameters) {
     if (parameter.type == WEFT_VALUE_TEXT) {
-      all.push_back(illegal_of(component, parameter, "a number in place of a text"));
+      all.push_back(illegal_of(component, parameter, "a number instead of a text"));
       all.back().arguments.add_number(parameter.name, 1.0);
     } else {
       all.push_back(illegal_of(component, parameter, "a text"));

@@ -80,7 +80,7 @@ Deviation of_lines(const Scene& scene, const Sightlines& lines) {
 Deviation of_visibility(const Visibility& seen) {
   double hidden = 0.0;
   for (std::int64_t v = 0; v < seen.visible.rows(); ++v) hidden += seen.visible(v) == 0 ? 1.0 : 0.0;
-  return share(hidden, seen.visible.rows(), "vertices in plain view are said to be hidden");
+  return share(hidden, seen.visible.rows(), "vertices in plain view are reported as hidden");
 }
 
 Deviation of_region(const Scene& scene, const Region& region) {

@@ -157,7 +157,7 @@ std::string difference_moved(const Scene& scene, const Asked& before, const Aske
                              const Move& move) {
   const bool as_sure = !judged_alike(move) || before.answer.status == after.answer.status;
   if (!after.answer.is_usable() || !as_sure) {
-    return "it says " + to_text(after.answer) + ", not " + to_text(before.answer);
+    return "it reports " + to_text(after.answer) + ", not " + to_text(before.answer);
   }
   for (const auto& [slot, record] : before.answer.outputs) {
     const HostRecord other = after.answer.find(slot);

@@ -17,7 +17,7 @@ void check_exact(const Subject& subject, Checks& checks) {
   const Scene scene = drawn_scene(subject, 0.0, 0.0, 0);
   const Points2 texels_px = inner_texels(scene.templ);
   const Asked asked = ask(subject, scene, texels_px);
-  if (!asked.answer.is_usable()) return checks.fail("says " + to_text(asked.answer));
+  if (!asked.answer.is_usable()) return checks.fail("reports " + to_text(asked.answer));
   for (const Deviation& deviation : deviations_of(scene, asked, texels_px)) {
     checks.expect(deviation.value <= deviation.bound, deviation.what);
   }

@@ -34,11 +34,11 @@ void check_identity_warp(const Subject& subject, Checks& checks) {
   }
   const Answer fitted = performer.call(kRunStage, inputs_of(subject, scene));
   const HostRecord warp = fitted.find("warp");
-  if (warp == nullptr) return checks.fail("says " + to_text(fitted));
+  if (warp == nullptr) return checks.fail("reports " + to_text(fitted));
   const Points2 texels_px = inner_texels(scene.templ);
   const Answer answer = performer.evaluate(warp, {make_array<double>(texels_px), 2});
   const auto samples = answer.get<WarpSamples>("warp_samples");
-  if (!samples) return checks.fail("says " + to_text(answer));
+  if (!samples) return checks.fail("reports " + to_text(answer));
   const double width_px = static_cast<double>(scene.templ.texture.dim(1));
   Eigen::MatrixXd first = Eigen::MatrixXd::Zero(texels_px.rows(), 4);
   first.col(0).setOnes();

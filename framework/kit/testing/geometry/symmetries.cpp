@@ -60,10 +60,10 @@ void check_twice(const Subject& subject, const Scene& scene, const Asked& before
     return checks.does_not_apply(why);
   }
   if (!rules.marks && !rules.solves && !rules.samples) {
-    return checks.does_not_apply("its answer speaks of no match, and of no shape");
+    return checks.does_not_apply("its answer contains no matches and no shape");
   }
   const Asked after = ask(subject, moved(scene, move), inner_texels(scene.templ));
-  if (!after.answer.is_usable()) return checks.fail("says " + to_text(after.answer));
+  if (!after.answer.is_usable()) return checks.fail("reports " + to_text(after.answer));
   const std::string how =
       rules.marks ? twins_differ(after, move) : change_of_answer(scene, before, after);
   checks.expect(how.empty(), how);
@@ -90,7 +90,7 @@ void check_symmetries(const Subject& subject, Checks& checks) {
   const Asked before = ask(subject, scene, inner_texels(scene.templ));
   if (!before.answer.is_usable()) {
     checks.begin("a scene that is moved");
-    return checks.fail("says " + to_text(before.answer) + " before it is moved");
+    return checks.fail("reports " + to_text(before.answer) + " before it is moved");
   }
   check_move(subject, scene, before, permute_matches(scene), checks);
   check_twice(subject, scene, before, checks);

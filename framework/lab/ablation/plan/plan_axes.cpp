@@ -25,7 +25,7 @@ class AxesReader {
       const std::vector<std::string>& taken = reserved_axis_names();
       if (std::find(taken.begin(), taken.end(), entry.key) != taken.end()) {
         values_.problem(entry.at, "an axis must not be called " + quote(entry.key) +
-                                      ", which has a meaning of its own");
+                                      ", which is a reserved name");
       }
       values_.is_name(entry.key, entry.at, "the name of an axis");
       const std::size_t before = values_.count();

@@ -143,7 +143,9 @@ std::vector<PlannedData> read_data(const yaml::Node& node, const Plan& plan, Pla
   std::vector<PlannedData> all;
   std::set<std::string> names;
   if (node.kind != yaml::Kind::map || node.entries.empty()) {
-    values.problem(node.at, "'data' must be a map of names and what they lay over the pipeline");
+    values.problem(
+        node.at,
+        "'data' must be a map of names and the settings that each changes in the pipeline");
     return all;
   }
   for (const yaml::Entry& entry : node.entries) {

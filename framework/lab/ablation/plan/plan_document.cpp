@@ -84,7 +84,7 @@ class DocumentReader {
         leave_out_of_plan(base, *without, document_.problems);
       }
     } else if (without != nullptr) {
-      problem(without->at, "'without' needs 'extends', the plan whose axes and data it leaves out");
+      problem(without->at, "'without' needs 'extends', the plan whose axes and data it omits");
     }
     erase(root, "extends");
     erase(root, "without");

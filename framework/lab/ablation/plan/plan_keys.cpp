@@ -19,7 +19,7 @@ const KeyTable& plan_keys() {
           .part("name", "folder_name", "of the plan, and of its results folder")
           .required()
           .text("extends", "a plan over which this one is laid")
-          .texts("without", "what is left out of that plan: AXIS, AXIS.VALUE or data.NAME")
+          .texts("without", "what this plan omits from that one: AXIS, AXIS.VALUE or data.NAME")
           .part("pipeline", "pipelines",
                 "the file over which all is laid, or names and files that are compared")
           .required()
@@ -27,9 +27,10 @@ const KeyTable& plan_keys() {
                   "data seeds 1-100 are for tuning, from 101 on for reporting")
           .required()
           .part("axes", "axes", "what is varied")
-          .part("data", "data", "names, and what of sequences they lay over the pipeline")
+          .part("data", "data",
+                "names, and the settings of sequences that each changes in the pipeline")
           .required()
-          .part("seeds", "seeds", "run seeds; left out: the pipeline's own")
+          .part("seeds", "seeds", "run seeds; default: that of the pipeline")
           .part("metrics", "metrics", "how cells are measured")
           .part("cluster", "cluster", "how cells are handed to a cluster")
           .texts("show", "metrics of the table, by their paths in what `weft eval --json` prints")
@@ -56,7 +57,7 @@ const KeyTable& component_axis_keys() {
           .required()
           .part("use", "words", "an id or a pattern (filters/*), or a list of these")
           .required()
-          .part("except", "words", "ids, patterns or names that are left out")
+          .part("except", "words", "ids, patterns or names that are omitted")
           .choice("sweep", {"threshold"},
                   "a value for each number over which the plugin declares that its threshold runs")
           .part("set", "parameters_of_some",
@@ -89,7 +90,7 @@ const KeyTable& axis_value_keys() {
 const KeyTable& data_keys() {
   static const KeyTable kKeys =
       KeyTableBuilder(patch_keys())
-          .part("seeds", "seeds", "data seeds, each of which makes a sequence")
+          .part("seeds", "seeds", "data seeds; each makes a sequence")
           .text("seed_setting", "the parameter that takes them (default: source.seed)")
           .text("folders",
                 "pattern of folders with frames/ (images), camera.yaml and gt/ (*.npz or "
@@ -102,7 +103,7 @@ const KeyTable& measurement_keys() {
   static const KeyTable kKeys =
       KeyTableBuilder()
           .choice("alignment", {"none", "scale", "rigid"},
-                  "what is taken out of a shape before it is measured")
+                  "motion that is removed from a shape before measuring")
           .otherwise(to_string(kDefaults.options.alignment))
           .positive("match_tolerance_px", "a match this near its true place is correct")
           .otherwise(fmt::format("{}", kDefaults.options.match_tolerance_px))

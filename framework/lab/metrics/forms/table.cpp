@@ -66,7 +66,7 @@ std::string counts_text(const RunMetrics& metrics) {
       text += fmt::format("; the truth's own mean {} mm, {} triples",
                           decimal(jitter.truth_mean_mm, 2), jitter.truth_triples);
     }
-    if (jitter.cuts > 0) text += fmt::format("; cuts left out: {}", jitter.cuts);
+    if (jitter.cuts > 0) text += fmt::format("; cuts excluded: {}", jitter.cuts);
     text += '\n';
   }
   if (metrics.interrupted) {
@@ -132,7 +132,7 @@ std::string filters_text(const RunMetrics& metrics) {
 std::string image_text(const ImageSummary& image) {
   std::string text;
   if (image.reprojection_frames > 0) {
-    text += fmt::format("  reprojection of correct matches: {} px, {} matches in {} frames\n",
+    text += fmt::format("  reprojection of inliers: {} px, {} matches in {} frames\n",
                         decimal(image.reprojection_px, 2), image.reprojection_matches,
                         image.reprojection_frames);
   }

@@ -51,7 +51,8 @@ std::string visibility_text(const VisibilityMetrics& visibility) {
   return fmt::format(
       "what the camera sees, {} frames\n"
       "  3D error: {} mm at visible points, {} mm at the {} hidden ones\n"
-      "  vertices: F1 {} % of those seen, {} % of those hidden, {} told, {} hidden in truth\n",
+      "  vertices: F1 {} % of those seen, {} % of those hidden, {} classified, {} hidden in "
+      "truth\n",
       visibility.frames, decimal(visibility.visible_mm, 2), decimal(visibility.hidden_mm, 2),
       visibility.hidden_points, decimal(visibility.f1_percent, 1),
       decimal(visibility.hidden_f1_percent, 1), visibility.vertices, visibility.hidden_vertices);

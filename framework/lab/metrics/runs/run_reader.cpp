@@ -193,7 +193,7 @@ Result<FrameRecords> RunReader::read(const FrameLine& line) const {
     if (!records) return records.error();
     if (line.records >= 0 && line.records != static_cast<std::int64_t>(records->size())) {
       return damaged_run(file, "has " + std::to_string(records->size()) +
-                                   " records where frames.jsonl says " +
+                                   " records where frames.jsonl has " +
                                    std::to_string(line.records));
     }
     if (measured_) {
@@ -232,7 +232,7 @@ Result<FrameRecords> RunReader::sort(host::NamedRecords records, const FrameLine
   const ShapeState stored = frame.shape ? frame.shape->shape_state() : ShapeState::none;
   if (stored != line.state) {
     return damaged_run(file, std::string("has the state '") + to_string(stored) +
-                                 "' where frames.jsonl says '" + to_string(line.state) + "'");
+                                 "' where frames.jsonl has '" + to_string(line.state) + "'");
   }
   if (frame.shape && frame.shape->vertices_m.rows() != template_.vertices_m.rows()) {
     return damaged_run(file, "has " + std::to_string(frame.shape->vertices_m.rows()) +

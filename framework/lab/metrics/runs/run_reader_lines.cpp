@@ -162,8 +162,7 @@ Result<void> RunReader::read_end(const std::string& file) {
   }
   if (!end) return damaged_run(file, end.error().message);
   const json frames = end->value("frames", json());
-  if (!frames.is_number_unsigned())
-    return damaged_run(file, "does not say how many frames there are");
+  if (!frames.is_number_unsigned()) return damaged_run(file, "does not state the number of frames");
   const std::string lines = folder_ + "/frames.jsonl";
   if (frames != lines_.size()) {
     return damaged_run(lines, "has " + std::to_string(lines_.size()) + " lines of " +

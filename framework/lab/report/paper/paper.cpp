@@ -18,7 +18,7 @@ std::string origin_of(const Results& results) {
       "{}: Weft {}, {}\nsequences (name and data seed): {}\nrun seeds: {}; data for: {}; "
       "alignment: {}\n",
       plan.name, results.version, plan.command, fmt::join(plan.sequences, ", "),
-      fmt::join(plan.seeds, ", "), plan.data_use.empty() ? "the plan does not say" : plan.data_use,
+      fmt::join(plan.seeds, ", "), plan.data_use.empty() ? "not stated in the plan" : plan.data_use,
       results.alignment);
 }
 

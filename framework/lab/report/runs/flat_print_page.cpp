@@ -157,9 +157,10 @@ std::string flat_print_html(const FlatPrint& print, const RunMetrics& metrics) {
   if (print.frames.empty()) return "";
   const int times = enlargement(print);
   std::string text = fmt::format(
-      "<p>Each arrow leads from the place of a patch in the flat print to where the unwarped image "
-      "shows it. It is {}as long as the displacement, but at most 1/{} of the print. Patches are "
-      "words, or the cells of a grid. Frames are ranked by the patches within 1 mm.</p>\n",
+      "<p>Each arrow leads from the place of a patch in the flat texture to where the unwarped "
+      "image shows it. It is {}as long as the displacement, but at most 1/{} of the texture. "
+      "Patches are words, or the cells of a grid. Frames are ranked by the patches within 1 "
+      "mm.</p>\n",
       times > 1 ? fmt::format("{} times ", times) : "", kParts);
   text += mark_legend() + "<div class=\"print\">\n";
   for (const PrintFrame& frame : print.frames) {

@@ -46,7 +46,7 @@ std::string frames_part(const RunData& run, bool scripted) {
 std::string times_part(const RunData& run, bool scripted) {
   const TextTable sheet = stages_sheet(run);
   if (sheet.rows.empty()) return "";
-  return (scripted ? place_for("figure-run-times", "Time on the wall of the stages of each frame.")
+  return (scripted ? place_for("figure-run-times", "Wall-clock time of the stages of each frame.")
                    : "") +
          to_html(sheet);
 }
@@ -57,8 +57,7 @@ std::string worst_part(const RunData& run) {
                          ? "<p>The frames with the largest errors."
                          : "<p>The frames that are least sure of themselves; the run has no truth.";
   text +=
-      " Left the picture of the video, if the run has one; beside it, from the camera, the "
-      "estimate, "
+      " Left the image of the video, if the run has one; beside it, from the camera, the estimate, "
       "coloured by its error, and the truth.</p>\n<div class=\"worst\">\n";
   for (const WorstFrame& worst : run.worst) {
     const auto frame = std::find_if(run.frames.begin(), run.frames.end(),

@@ -14,7 +14,7 @@ namespace {
 std::string shapes_text(const RunData& run) {
   const FrameCounts& counts = run.metrics.counts;
   std::string text =
-      fmt::format("{} of {} frames have a shape of their own", counts.solved(), counts.frames);
+      fmt::format("{} of {} frames have an estimated shape", counts.solved(), counts.frames);
   if (counts.weak > 0) text += fmt::format(", {} of them weak", counts.weak);
   std::string others;
   for (const auto& [count, what] :
@@ -33,8 +33,7 @@ std::string error_text(const RunData& run) {
   const TruthMetrics& all = run.metrics.all;
   if (all.frames == 0) {
     return fmt::format(
-        "The run has no truth, so nobody knows how far off it is; its lengths are wrong by {:.2g} "
-        "%.",
+        "The run has no truth, so its error is unknown; its lengths are wrong by {:.2g} %.",
         kPercent * run.metrics.strain_mean);
   }
   if (!std::isfinite(all.solved_error.mean_mm)) {

@@ -83,7 +83,7 @@ TextTable reasons_sheet(const RunData& run) {
   });
   TextTable table{"reasons",
                   "Why",
-                  "Reasons that differ in numbers alone stand in one row, with the first of them.",
+                  "Reasons that differ in numbers alone share one row, with the first of them.",
                   {{"stage", "stage"},
                    {"what", "status"},
                    {"reason", "reason"},
@@ -102,7 +102,7 @@ TextTable reasons_sheet(const RunData& run) {
 TextTable stages_sheet(const RunData& run) {
   TextTable table{"stages",
                   "Time of each stage",
-                  "Time on the wall, in the frames in which the stage ran.",
+                  "Wall-clock time, in the frames in which the stage ran.",
                   {{"stage", "stage"},
                    {"median, ms", "median_ms", true},
                    {"mean, ms", "mean_ms", true},

@@ -9,9 +9,9 @@ export class Commands {
   #lost = false; // the connection was, while the run was paused
   #stops = false; // the run has agreed to
 
-  constructor(root, wishes) {
+  constructor(root, change_requests) {
     this.root = root;
-    this.wishes = wishes;
+    this.change_requests = change_requests;
     this.outcome = root.querySelector("#outcome");
     this.buttons = root.querySelectorAll("[data-command], #stop");
     this.connect(false);
@@ -32,7 +32,7 @@ export class Commands {
     return this.#paused !== null;
   }
 
-  /** Whether the run ends by a wish of this page. */
+  /** Whether the run ends by a request of this page. */
   get stops() {
     return this.#stops;
   }
@@ -44,7 +44,7 @@ export class Commands {
   }
 
   #ask(command) {
-    this.wishes.now(command, (told) => {
+    this.change_requests.now(command, (told) => {
       if (told.outcome === "granted") this.#granted(command, told.frame);
       else this.#say(`${command}: ${outcome_words(told)}`, told.outcome !== "sent");
     });
@@ -63,8 +63,8 @@ export class Commands {
     this.#say(words[command], false);
   }
 
-  /** The run pauses or goes on, whoever wished for it. A pause ends with the browser that asked for
-      it, which may be this one before it came back. */
+  /** The run pauses or goes on, whichever client requested it. A pause ends with the browser that
+      requested it, which may be this one before it came back. */
   pause_told({ paused, frame, left }) {
     const was_lost = this.#lost;
     this.#lost = false;

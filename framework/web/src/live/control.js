@@ -7,7 +7,7 @@ import {
   same_value,
   shown_value,
   slider_of,
-  wished_value,
+  requested_value,
 } from "./parameters.js";
 import { outcome_words } from "./words.js";
 
@@ -15,16 +15,16 @@ let count = 0; // of the ids of this page
 
 export class Control {
   #parameter;
-  #wishes;
+  #change_requests;
   #kind;
   #slider = null; // {input, places}
   #written = ""; // the text that the input held last, before somebody types on
   #value;
 
   /** `name` is what the parameter is called within its stage. */
-  constructor(parameter, name, wishes) {
+  constructor(parameter, name, change_requests) {
     this.#parameter = parameter;
-    this.#wishes = wishes;
+    this.#change_requests = change_requests;
     this.#kind = kind_of(parameter);
     this.#value = parameter.value;
     const id = `setting-${++count}`;
@@ -64,7 +64,7 @@ export class Control {
     this.#value = value;
     this.#mark();
     const typing = document.activeElement === this.input && this.#text() !== this.#written;
-    if (!typing && !this.#wishes.pending(this.#parameter.setting)) this.#write(value);
+    if (!typing && !this.#change_requests.pending(this.#parameter.setting)) this.#write(value);
   }
 
   #make_input(id) {
@@ -147,16 +147,16 @@ export class Control {
     const { setting } = this.#parameter;
     this.#speak();
     this.#written = this.#text();
-    const value = wished_value(this.#parameter, this.#text());
+    const value = requested_value(this.#parameter, this.#text());
     if (value === null) {
       const wanted = this.#kind === "list" ? "numbers, with commas between them" : "a number";
       this.#say(`not sent: this takes ${wanted}`, true);
       return;
     }
-    this.#wishes.want(setting, `set ${setting}=${value}`, (told) => {
+    this.#change_requests.want(setting, `set ${setting}=${value}`, (told) => {
       const failed = told.outcome === "refused" || told.outcome === "unsent";
       this.#say(outcome_words(told), failed);
-      if (failed && !this.#wishes.pending(setting)) this.#write(this.#value);
+      if (failed && !this.#change_requests.pending(setting)) this.#write(this.#value);
     });
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The live page: what the run sends is drawn, and what somebody changes here is wished of the run.
+// The live page: it draws what the run sends, and sends changes made here as requests.
 import { Colouring, kColourings, write_legend } from "./colouring.js";
 import { Commands } from "./commands.js";
 import { Connection, socket_address } from "./connection.js";
@@ -12,7 +12,7 @@ import { Recorder } from "./recorder.js";
 import { save_picture } from "./save.js";
 import { Settings } from "./settings.js";
 import { Strips } from "./strips.js";
-import { Wishes } from "./wishes.js";
+import { ChangeRequests } from "./change_requests.js";
 import {
   behind_words,
   has_ended,
@@ -35,7 +35,7 @@ class Page {
   #colouring = new Colouring();
   #strips_at_s = 0;
   #frame_at_s = null; // when the last one was shown; null without a connection
-  #ended = false; // by a wish of this page
+  #ended = false; // by a request of this page
   #still_since_s = null; // when the run's last frame came, where the server says so
 
   constructor() {
@@ -45,9 +45,9 @@ class Page {
     this.image = new ImageView(by_id("image"));
     this.mesh = this.#make_mesh_view();
     this.strips = new Strips(by_id("strips"), this.history);
-    this.wishes = new Wishes((message) => this.connection.send(message));
-    this.settings = new Settings(by_id("settings"), this.wishes);
-    this.commands = new Commands(by_id("commands"), this.wishes);
+    this.change_requests = new ChangeRequests((message) => this.connection.send(message));
+    this.settings = new Settings(by_id("settings"), this.change_requests);
+    this.commands = new Commands(by_id("commands"), this.change_requests);
     this.recorder = new Recorder(by_id("commands"));
     this.#listen();
     this.connection = new Connection(socket_address(location), {
@@ -99,7 +99,7 @@ class Page {
     } else if (message.type === "settings") {
       this.#show_settings(message.settings);
     } else if (message.type === "answer") {
-      this.wishes.answer(message);
+      this.change_requests.answer(message);
     } else if (message.type === "pause") {
       this.commands.pause_told(message);
     } else if (message.type === "still") {
@@ -203,7 +203,7 @@ class Page {
 
   #disconnected({ was, pause_ms }) {
     this.#frame_at_s = null;
-    this.wishes.lose();
+    this.change_requests.lose();
     if (this.commands.stops) this.#ended = true;
     this.commands.forget();
     this.commands.connect(false);

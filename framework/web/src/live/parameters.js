@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a parameter's declaration asks of its control: kind, range, slider, and the text of a wish.
+// What a parameter's declaration requires of its control: kind, range, slider, and the text of a
+// change request.
 
 const kSliderSteps = 1000;
 const kDigits = 3;
@@ -63,9 +64,9 @@ function element_text(type, text) {
   return text !== "" && Number.isFinite(Number(text)) ? text : null;
 }
 
-/** The value of a wish, as `weft run --set` takes it, of what a control holds; null where that is
-    no value of the parameter's type. */
-export function wished_value({ type, is_vector }, text) {
+/** The value of a change request, as `weft run --set` takes it, of what a control holds; null where
+    that is no value of the parameter's type. */
+export function requested_value({ type, is_vector }, text) {
   if (!is_vector) return element_text(type, type === "text" ? text : text.trim());
   const inner = text.trim().replace(/^\[|\]$/g, "").trim();
   const parts = inner === "" ? [] : inner.split(",").map((part) => element_text(type, part.trim()));

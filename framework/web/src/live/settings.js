@@ -23,9 +23,9 @@ export class Settings {
   // {stage, details, changed, controls: [{setting, control}], open: without a search}
   #groups = [];
 
-  constructor(root, wishes) {
+  constructor(root, change_requests) {
     this.root = root;
-    this.wishes = wishes;
+    this.change_requests = change_requests;
     this.list = root.querySelector("#stages");
     this.search = root.querySelector("#search");
     this.search.addEventListener("input", () => this.#find());
@@ -67,7 +67,7 @@ export class Settings {
     );
     const controls = parameters.map((parameter) => {
       const name = parameter.setting.slice(stage.length + 1);
-      const control = new Control(parameter, name, this.wishes);
+      const control = new Control(parameter, name, this.change_requests);
       control.element.style.setProperty("--depth", name.split(".").length - 1);
       return { setting: parameter.setting, control };
     });

@@ -110,7 +110,7 @@ export function recorded_words({ first, last, frames, bytes }) {
   return `Saved ${which} ${first} to ${last}, ${size_words(bytes)}.`;
 }
 
-/** What became of a wish, beside its control. */
+/** What became of a request, beside its control. */
 export function outcome_words({ outcome, frame, refusal }) {
   switch (outcome) {
     case "sent":

@@ -57,7 +57,7 @@ TEST(AssumedCamera, AssumesTwelveMegapixelsWhereACropDoesNotSayItsWholeSize) {
   EXPECT_NEAR(relative_sd(camera), 0.20, 1e-9);
   EXPECT_THAT(assumption_text(camera),
               AllOf(HasSubstr("not calibrated"), HasSubstr("1951.jpg"), HasSubstr("26 mm"),
-                    HasSubstr("cropped from 3024 x 4032 px as is assumed")));
+                    HasSubstr("cropped from 3024 x 4032 px by assumption")));
 }
 
 TEST(AssumedCamera, ACropIsNeverLargerThanItsWhole) {

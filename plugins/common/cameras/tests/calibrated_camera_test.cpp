@@ -25,7 +25,7 @@ struct Ray {
 };
 using Lens = std::function<Ray(Ray)>;
 
-/// What a camera with this lens would see, found by inverting the lens with fixed-point steps.
+/// The view of a camera with this lens, by inversion of the lens with fixed-point steps.
 cv::Mat distorted_image(cv::Size size, double fx, double fy, double cx, double cy,
                         const Lens& lens) {
   cv::Mat image(size, CV_8UC1);
@@ -119,7 +119,7 @@ TEST(CalibratedCamera, TakesEachDepthFromTheNearestPixel) {
                "distortion: [-0.22, 0, 0, 0, 0]}");
   const auto camera = CalibratedCamera::read(folder.path("camera.yaml"));
   ASSERT_TRUE(camera) << camera.error().message;
-  cv::Mat stored(kHeight, kWidth, CV_16UC1);  // each value tells its pixel, and none is 0
+  cv::Mat stored(kHeight, kWidth, CV_16UC1);  // each pixel has a different value, and none is 0
   for (int v = 0; v < kHeight; ++v) {
     for (int u = 0; u < kWidth; ++u) {
       stored.at<std::uint16_t>(v, u) = static_cast<std::uint16_t>(1 + u + kWidth * v);

@@ -38,7 +38,7 @@ class FrameFolder {
     if (!cv::imwrite(path(name), image)) throw std::runtime_error("cannot write " + name);
   }
 
-  /// A colour image of 8 x 6 px whose first blue value tells it from others.
+  /// A colour image of 8 x 6 px whose first blue value distinguishes it from others.
   void write_frame(const std::string& name, int blue = 10) const {
     write_image(name, cv::Mat(6, 8, CV_8UC3, cv::Scalar(blue, 20, 30)));
   }

@@ -41,7 +41,7 @@ FlatMesh grid(int columns, int rows) {
   return {templ.flat_px.matrix<2>(), templ.faces.matrix<3>()};
 }
 
-/// Leaves the faces of which the middle satisfies `is_left`, and their vertices.
+/// Keeps the faces whose middle satisfies `is_left`, and their vertices.
 template <class IsLeft>
 FlatMesh part_of(const FlatMesh& whole, const IsLeft& is_left) {
   std::vector<std::int32_t> index(to_index(whole.places.rows()), -1), vertices, corners;

@@ -48,7 +48,7 @@ void expect_equal(const cv::Mat& a, const cv::Mat& b) {
   EXPECT_EQ(cv::norm(a, b, cv::NORM_INF), 0.0);
 }
 
-/// Where OpenCV's reader puts things: the standard's own picture of the eight orientations.
+/// Where OpenCV's reader places pixels: the standard's own figure of the eight orientations.
 cv::Mat upright_by_words(const cv::Mat& stored, int orientation) {
   cv::Mat result;
   switch (orientation) {
@@ -223,7 +223,7 @@ TEST(Decoder, PrintsNothingOfDamagedPng) {
         byte = static_cast<char>(byte ^ 1 << rng.below(8));
       }
       if (rng.below(3) == 0) damaged.bytes.resize(rng.below(whole.bytes.size()));
-      // What the header already refuses is never decoded.
+      // A file that the header check refuses is never decoded.
       if (const auto header = read_image_header(damaged.bytes)) {
         damaged.header = *header;
         undecoded += decode_stored(damaged).pixels.empty() ? 1 : 0;
@@ -257,8 +257,8 @@ TEST(Decoder, TurnsWhatBelongsToAnImageWithIt) {
   const Main main{"frame.jpg", {64, 40}, 6};
   const cv::Mat stored = picture(1), turned = upright(stored, 6);
   expect_equal(*upright_beside(main, stored, 6, "mask.png"), turned);  // its own orientation
-  expect_equal(*upright_beside(main, stored, 1, "mask.png"), turned);  // of the stored grid
-  expect_equal(*upright_beside(main, turned, 1, "mask.png"), turned);  // of the upright image
+  expect_equal(*upright_beside(main, stored, 1, "mask.png"), turned);  // mask of the stored grid
+  expect_equal(*upright_beside(main, turned, 1, "mask.png"), turned);  // mask of the upright image
   const auto other = upright_beside(main, stored, 8, "mask.png");
   ASSERT_FALSE(other);
   EXPECT_THAT(other.error().message, HasSubstr("mask.png"));

@@ -39,7 +39,7 @@ Points2 grid_px() {
   return uv;
 }
 
-/// Where a sheet has its points; x and y in m from its middle.
+/// The places of a surface's points; x and y in m from its middle.
 template <class Place>
 Points3 sheet(const Place& place) {
   const Points2 uv = grid_px();
@@ -80,7 +80,7 @@ TEST(SheetRenderer, KnowsTheTemplatePointAndDepthOfEachPixel) {
       if (depth == 0.0F) continue;
       ++seen;
       const double u = view.uv_px.row(y)[2 * x], v = view.uv_px.row(y)[2 * x + 1];
-      // Back through the plane of the sheet.
+      // Back through the plane of the surface.
       const double sheet_x = kPitch_m * (u + 0.5 - 0.5 * kPrintWidth);
       const double sheet_y = kPitch_m * (v + 0.5 - 0.5 * kPrintHeight);
       const Eigen::Vector3d point(0.01 + 0.9 * sheet_x, sheet_y,
@@ -134,13 +134,13 @@ TEST(SheetRenderer, ShowsTheBlankBackBeforeWhatItHides) {
   EXPECT_TRUE(std::isnan(view.uv_px.row(120)[2 * 130]));
   EXPECT_GT(view.depth_m(120, 130), 0.5F);
   EXPECT_LT(view.depth_m(120, 130), 0.6F);
-  // All that is left to see of the print is nothing: one half is behind, the other turned over.
+  // No part of the textured side is visible: one half is behind, the other turned over.
   const auto seen = std::count(view.is_visible.begin(), view.is_visible.end(), 1);
   EXPECT_LE(seen, 2 * kMeshRows) << "only the crease and the border of the lower half may be seen";
 }
 
 TEST(SheetRenderer, ShowsPaperAroundThePrintAndOnTheBack) {
-  // The sheet reaches 40 px of the print beyond its left and right borders.
+  // The surface reaches 40 px of the texture beyond its left and right borders.
   Points2 uv = grid_px();
   uv.col(0) = (uv.col(0).array() + 0.5) * (kPrintWidth + 80.0) / kPrintWidth - 40.5;
   const Paper white{250.0F, 240.0F};
@@ -149,7 +149,7 @@ TEST(SheetRenderer, ShowsPaperAroundThePrintAndOnTheBack) {
       kCamera, plain(50.0), uv, *rectangular_grid_faces(kMeshColumns, kMeshRows), black, white);
   const View view = renderer.render(
       sheet([](double x, double y) { return Eigen::Vector3d(x, y, 0.6); }), kAllAround);
-  // 160 px wide in the image, of which the print has 240 of 320 parts.
+  // 160 px wide in the image, where the texture covers 240 of 320 parts.
   EXPECT_EQ(grey_at(view, 85, 120), 240.0F);
   EXPECT_TRUE(std::isnan(view.uv_px.row(120)[2 * 85]));
   EXPECT_NEAR(view.depth_m(120, 85), 0.6, 1e-6);

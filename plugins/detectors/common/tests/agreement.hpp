@@ -15,11 +15,11 @@ namespace weft::detectors {
 
 /// How many keypoints of one answer have their like in another.
 struct Agreement {
-  double share;                  ///< of the first answer's keypoints
+  double share;                  ///< share of the first result's keypoints
   double descriptor_difference;  ///< mean of |a - b| over the elements of pairs
 };
 
-/// A pair lies within 0.5 px, 10 % of scale and 10 degrees; no keypoint stands in two pairs.
+/// A pair lies within 0.5 px, 10 % of scale and 10 degrees; no keypoint is in two pairs.
 inline Agreement agreement(const Keypoints& first, const Keypoints& second) {
   constexpr double kPlacePx = 0.5, kScaleRatio = 1.1, kAngleRad = 10.0 * std::numbers::pi / 180.0;
   std::multimap<double, std::int64_t> free_by_x;

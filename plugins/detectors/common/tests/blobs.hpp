@@ -16,7 +16,7 @@ inline Image blob_image(int side, double x, double y, double sigma_px) {
   });
 }
 
-/// Of the keypoints within a radius of a place, and of one octave where it is given, the strongest;
+/// The strongest of the keypoints within a radius of a place, and of one octave where it is given;
 /// -1 if there is none.
 inline std::int64_t strongest_near(const Keypoints& keypoints, double x, double y, double radius_px,
                                    std::optional<int> octave) {
@@ -29,7 +29,7 @@ inline std::int64_t strongest_near(const Keypoints& keypoints, double x, double 
   return best;
 }
 
-/// What came of blobs of one size at places spread over the sampling lattice of the octaves.
+/// The results for blobs of one size at places spread over the sampling lattice of the octaves.
 struct BlobSeries {
   int found = 0;
   double mean_error_x_px = 0.0, mean_error_y_px = 0.0;

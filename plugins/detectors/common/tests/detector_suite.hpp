@@ -18,10 +18,10 @@ struct DetectorCase {
   const char* id;
   const char* sensitive;         ///< parameters, without braces, with which weak texture counts
   const char* refused;           ///< parameters outside their range
-  double angle_error_rad = 0.1;  ///< of most keypoints when the image turns
+  double angle_error_rad = 0.1;  ///< error of most keypoints when the image turns
 };
 
-/// What holds for every detector; a test program instantiates it with its own.
+/// The tests for every detector; a test program instantiates it with its detector.
 class DetectorSuite : public ::testing::TestWithParam<DetectorCase> {
  protected:
   testing::PluginUnderTest plugin(const std::string& params = "") const {

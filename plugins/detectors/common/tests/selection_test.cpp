@@ -40,8 +40,8 @@ TEST(Selection, TakesTheStrongestOfEachCellAndThenTheNextOfAny) {
 }
 
 TEST(Selection, HasNoMoreCellsThanKeypointsToKeep) {
-  // 16 cells a side would leave nothing to the right half: four columns of strong keypoints stand
-  // in the left half, one of weak ones in the right half.
+  // 16 cells a side would leave nothing to the right half: the left half has four columns of strong
+  // keypoints, the right half one of weak ones.
   std::vector<cv::KeyPoint> keypoints;
   std::vector<int> order;
   for (int column = 0; column < 5; ++column) {

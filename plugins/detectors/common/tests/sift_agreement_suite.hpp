@@ -23,7 +23,7 @@ struct LikeSift {
   double descriptor_difference;  ///< largest
 };
 
-/// What a test program instantiates with its own detector, and with kSiftSettings.
+/// A test program instantiates it with its detector, and with kSiftSettings.
 class SiftAgreement : public ::testing::TestWithParam<std::tuple<LikeSift, const char*>> {};
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(SiftAgreement);
 

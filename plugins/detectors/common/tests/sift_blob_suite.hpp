@@ -11,8 +11,8 @@
 
 namespace weft::detectors {
 
-/// What holds for every detector of SIFT keypoints, by its id; a test program instantiates it with
-/// its own.
+/// The tests for every detector of SIFT keypoints, by its id; a test program instantiates it with
+/// its detector.
 class SiftOnBlobs : public ::testing::TestWithParam<const char*> {};
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(SiftOnBlobs);
 
@@ -28,8 +28,8 @@ inline int octave_of_blob(double sigma_px) {
 
 inline void expect_places(const BlobSeries& series, double sigma_px) {
   const double pitch_px = std::exp2(octave_of_blob(sigma_px));
-  // Of 36. Half way between two samples the steps of the refinement may go to and fro, those of
-  // OpenCV's SIFT too.
+  // 27 out of 36. Half way between two samples the steps of the refinement may alternate, as those
+  // of OpenCV's SIFT do.
   EXPECT_GE(series.found, 27) << "sigma " << sigma_px;
   EXPECT_NEAR(series.mean_error_x_px, 0.0, 0.05) << "sigma " << sigma_px;
   EXPECT_NEAR(series.mean_error_y_px, 0.0, 0.05) << "sigma " << sigma_px;

@@ -32,7 +32,7 @@ cv::Mat grey_of(const Image& image) {
 }
 
 /// The image turned about its middle, made `scale` times as large and tilted, with noise and other
-/// light. It is drawn at three times its size, so that fine texture does not alias.
+/// light. It is rendered at three times its size, so that fine texture does not alias.
 Views views_of(const Image& image, double turn_rad, double scale, double tilt_per_px, Rng& rng) {
   constexpr int kFiner = 3;
   Views views;
@@ -60,10 +60,10 @@ Views views_of(const Image& image, double turn_rad, double scale, double tilt_pe
   return views;
 }
 
-/// What came of finding the first view's keypoints in the second one.
+/// The result of searching for the first view's keypoints in the second one.
 struct Quality {
   int visible = 0;     ///< keypoints of the first view that lie in the second
-  int repeated = 0;    ///< of these, with one near them in the second view, of like scale
+  int repeated = 0;    ///< those with a keypoint near them in the second view, of similar scale
   int correct = 0;     ///< matches by nearest neighbour and ratio that are right
   int mismatched = 0;  ///< and those that are not
 

@@ -14,8 +14,8 @@ namespace {
 using testing::input;
 using testing::PluginUnderTest;
 
-/// The keypoint that is keypoint `i` of `of`, apart from the rounding of places that are told from
-/// another corner; -1 if there is none.
+/// The keypoint that equals keypoint `i` of `of`, except for the rounding of places that are
+/// counted from another corner; -1 if there is none.
 std::int64_t like_of(const Keypoints& keypoints, const Keypoints& of, std::int64_t i) {
   for (std::int64_t j = 0; j < keypoints.count(); ++j) {
     if (std::abs(keypoints.xy_px(j, 0) - of.xy_px(i, 0)) < 1e-4 &&

@@ -42,8 +42,7 @@ bool same(const Answer& a, const Answer& b) {
          a.descriptors == b.descriptors;
 }
 
-/// Images of which parts are alike, so that many differences are equal, and of the largest
-/// contrast.
+/// Images with repeated parts, so that many differences are equal, and of the largest contrast.
 std::vector<Image> images() {
   return {detectors::texture(333, 241, 71), detectors::texture(64, 50, 72),
           detectors::image_of(200, 120, [](double x, double y) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Times of detectors/sift_fast beside cv::SIFT on the same picture, one after the other by turns,
-// so that whatever else the machine does meets both: what counts are the ratios. All in one thread.
-// sift_fast_benchmark [picture [rounds]]
+// Times of detectors/sift_fast beside cv::SIFT on the same image. Both run alternately, so that
+// other load on the machine affects both, and only the ratios count. All in one thread.
+// sift_fast_benchmark [image [rounds]]
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -24,7 +24,7 @@ namespace {
 
 constexpr std::size_t kKept = 1500;
 
-/// What this thread has had of a processor.
+/// CPU time of this thread.
 double processor_ms() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

@@ -22,7 +22,7 @@ inline void PrintTo(const Size& size, std::ostream* out) {
   *out << size.width << " x " << size.height;
 }
 
-/// Grey levels 0 to 255 that are whole numbers, each drawn evenly.
+/// Grey levels 0 to 255 that are whole numbers, each drawn uniformly.
 inline reference::Plane white_noise(Size size, std::uint64_t seed) {
   Rng rng(seed);
   return reference::Plane::NullaryExpr(size.height, size.width,
@@ -41,7 +41,7 @@ inline reference::Plane blobs(Size size, std::uint64_t seed) {
   return sum.array().rint().cwiseMax(0.0).cwiseMin(255.0);
 }
 
-/// What each kernel is tried on, with its name; whole numbers from 0 to 255.
+/// The images for the test of each kernel, with names; whole numbers from 0 to 255.
 inline std::vector<std::pair<std::string, reference::Plane>> adversarial_images(
     Size size, std::uint64_t seed) {
   const auto drawn = [&](const auto& grey) {

@@ -37,7 +37,7 @@ class DescriptionsKernel : public ::testing::Test {
   KernelRunner runner_;
 };
 
-/// Of the elements.
+/// Largest difference of the elements.
 double largest_difference(const Descriptor& a, const Descriptor& b) {
   double largest = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
@@ -154,7 +154,7 @@ TEST_F(DescriptionsKernel, ARampFillsOneDirectionOfEachCell) {
   const Plane ramp =
       Plane::NullaryExpr(60, 60, [](auto, auto x) { return 2.0 * static_cast<double>(x); });
   for (int direction = 0; direction < 8; ++direction) {
-    // A keypoint turned clockwise sees the ramp's direction anticlockwise of its own.
+    // A keypoint turned clockwise sees the ramp's direction anticlockwise from its direction.
     const double angle_rad = direction * 0.25 * std::numbers::pi;
     const Descriptor found = describe(ramp, spot_at(30.0, 30.0, 2.0, angle_rad));
     for (int bin = 0; bin < 128; ++bin) {

@@ -194,7 +194,7 @@ class ProgramCache : public ::testing::Test {
     return {std::istreambuf_iterator<char>(in), {}};
   }
 
-  /// What the kernels answer, to be compared to the bit: blurred noise.
+  /// The result of the kernels, which is compared bit by bit: blurred noise.
   std::vector<float> blurred() {
     KernelRunner runner(device_, compiled(device_->context(), device_->handle()));
     const auto noise = reference::floats_of(white_noise({32, 8}, 71));

@@ -18,7 +18,8 @@ using reference::Plane;
 
 constexpr std::uint64_t kLayerSeed = 43;
 
-/// What the kernel wrote: `count` says how many there were, `spots` those that found room.
+/// The output of the kernel: `count` is the number of keypoints, and `spots` has those that found
+/// room.
 struct Found {
   int count;
   std::vector<Spot> spots;
@@ -131,9 +132,9 @@ TEST_F(ExtremaKernel, FindsWhatBruteForceFindsInNoise) {
   }
   print(all);
   EXPECT_GT(all.common, 1000U);
-  // Rounding may decide where a value stands at a threshold.
+  // Rounding may decide where a value equals a threshold.
   EXPECT_LE(all.only_kernel + all.only_reference, 3U);
-  // Floats near 8192 are 0.0005 apart.
+  // Floats near 8192 differ by 0.0005.
   EXPECT_LT(all.place_px, 5e-4);
   EXPECT_LT(all.scale_ratio, 1e-5);
   EXPECT_LT(all.response, 1e-6);
@@ -162,7 +163,7 @@ TEST_F(ExtremaKernel, FindsWhatBruteForceFindsInScaleSpaces) {
 }
 
 /// A Gaussian blob in each layer, computed from its formula: a blob of sigma s, blurred by t, is
-/// one of sqrt(s^2 + t^2) with s^2 / (s^2 + t^2) of its height. With layers a factor k apart the
+/// one of sqrt(s^2 + t^2) with s^2 / (s^2 + t^2) of its height. With a factor k between layers, the
 /// difference of two is extremal at the finer one's t = s / sqrt(k), with (k - 1) / (k + 1) of the
 /// height.
 struct PlantedBlob {
@@ -209,7 +210,7 @@ TEST_F(ExtremaKernel, FindsABlobWhereItWasPlanted) {
   }
   std::printf("planted blobs: largest error %.3f px, scale %.4f, response %.4f\n", place_px,
               scale_ratio, response_ratio);
-  // What a parabola through three samples leaves of a Gaussian.
+  // The error of a parabola through three samples of a Gaussian.
   EXPECT_LT(place_px, 0.05);
   EXPECT_LT(scale_ratio, 0.02);
   EXPECT_LT(response_ratio, 0.01);

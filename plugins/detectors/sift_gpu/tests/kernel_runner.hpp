@@ -101,7 +101,7 @@ class Guarded {
   /// With both guards.
   const std::vector<float>& all() const { return all_; }
 
-  /// What stands between the guards after a kernel has written to a copy of all().
+  /// The content between the guards after a kernel has written to a copy of all().
   static std::vector<float> inside(const std::vector<float>& written) {
     const auto is_guard = [](float value) { return value != value; };
     EXPECT_TRUE(std::all_of(written.begin(), written.begin() + kGuard, is_guard));

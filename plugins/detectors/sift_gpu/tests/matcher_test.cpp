@@ -27,8 +27,8 @@ PluginAnswer match(PluginUnderTest& plugin, const Keypoints& templ, const Keypoi
   return plugin.process(0, {input("keypoints", image), input("template_keypoints", templ)});
 }
 
-/// Descriptors of which each is one of `others` with noise, or new: some matches are clear, some
-/// doubtful, some wrong.
+/// Descriptors that are copies of `others` with noise, or new: some matches are clear, some
+/// doubtful, some outliers.
 Keypoints noisy_copies(const Keypoints& others, std::int64_t count, Rng& rng) {
   Keypoints copies = l2_keypoints(random_descriptors(count, others.descriptors.dim(1), rng));
   for (std::int64_t i = 0; i < count; ++i) {
@@ -260,7 +260,7 @@ TEST_F(OnTheDevice, DescriptorsStayAsTheyAreWhileSomebodyHoldsThemAndTheirPlaceI
   expect_those_of(38, kept);
 }
 
-/// A GPU has answered before it is first asked whether to go on.
+/// A GPU has finished before the first check for cancellation.
 bool may_be_too_fast() {
   return (sift_gpu::all_devices().front().getInfo<CL_DEVICE_TYPE>() & CL_DEVICE_TYPE_GPU) != 0;
 }

@@ -67,7 +67,7 @@ class MatchingKernels : public ::testing::Test {
                 root);
   }
 
-  /// Of queries from `first` on; [queries - first,trains].
+  /// For queries from `first` on; [queries - first,trains].
   std::vector<float> distances(const Loaded& queries, int first, const Loaded& trains, int length) {
     const int rows = static_cast<int>(queries.norms.size()) - first;
     const auto columns = static_cast<int>(trains.norms.size());
@@ -164,7 +164,7 @@ TEST_F(MatchingKernels, LoadTakesRootsOfDescriptorsOfAnyLengthAndOfZeros) {
     rows.row(1).setConstant(255.0);
     const Rows expected = reference::rooted(rows);
     const Loaded loaded = load(rows, true);
-    // Of each element the sum, a division and a root, of the norm those and its own sum.
+    // For each element the sum, a division and a root; for the norm those and its sum.
     const double unit = kRoundoff * (length + 10);
     for (Eigen::Index i = 0; i < count; ++i) {
       for (Eigen::Index d = 0; d < length; ++d) {
@@ -226,7 +226,7 @@ TEST_F(MatchingKernels, DistancesOfRootsAreThoseOfTheReferenceToRounding) {
   EXPECT_LT(largest, 1.0);
 }
 
-/// Places on a lattice of whole numbers, where many are exactly 5 apart.
+/// Places on a lattice of whole numbers, where many distances are exactly 5.
 std::vector<float> lattice_places(int count, Rng& rng) {
   return reference::floats_of(whole_numbers(count, 2, 12, rng));
 }

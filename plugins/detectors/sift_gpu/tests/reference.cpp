@@ -81,8 +81,8 @@ class Differences {
   std::vector<Plane> planes_;
 };
 
-/// Lowe's section 4: moves to where the expansion is stationary, and asks for contrast and for a
-/// second large curvature. Empty if it fails.
+/// Lowe's section 4: moves to where the expansion is stationary, and requires contrast and a second
+/// large curvature. Empty if it fails.
 std::vector<Extremum> refined(const Differences& d, Eigen::Vector3i at, Eigen::Vector3i size,
                               const Settings& settings) {
   for (int step = 0; step < kMostSteps; ++step) {

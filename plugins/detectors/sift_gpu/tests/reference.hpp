@@ -51,8 +51,8 @@ struct Extremum {
   int layer;
 };
 
-/// Refined extrema of the differences of these layers, as the README tells it; a sample counts from
-/// a grey level of half the contrast on, rounded down, as in OpenCV.
+/// Refined extrema of the differences of these layers, as in the README. A sample counts from a
+/// grey level of half the contrast on, rounded down, as in OpenCV.
 std::vector<Extremum> extrema(const std::vector<Plane>& layers, const Settings& settings);
 
 /// Directions in [0, 2 pi), ascending, of the peaks of the smoothed histogram of 36 bins around the

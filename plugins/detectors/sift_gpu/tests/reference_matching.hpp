@@ -13,7 +13,8 @@ namespace weft::sift_gpu::reference {
 /// Descriptors, one a row.
 using Rows = Plane;
 
-/// Whole numbers 0, 1 ... `levels` - 1, each drawn evenly. With two levels most distances are tied.
+/// Whole numbers 0, 1 ... `levels` - 1, each drawn uniformly. With two levels most distances are
+/// tied.
 inline Rows whole_numbers(int count, int length, std::uint32_t levels, Rng& rng) {
   return Rows::NullaryExpr(count, length, [&] { return static_cast<double>(rng.below(levels)); });
 }

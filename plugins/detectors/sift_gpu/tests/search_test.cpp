@@ -67,8 +67,8 @@ TEST_F(AwaitedDescriptors, OfAnotherDeviceThatAreLostCostThisDeviceNothing) {
   EXPECT_EQ(search.run(places_, {}, never).pairs.at(1).best, 1);
 }
 
-/// Descriptors that are kept on the device, where the test changes them behind the search's back:
-/// what it finds then tells whether it has loaded them again.
+/// Descriptors that are kept on the device, where the test changes them without the search. The
+/// result then shows whether the search has loaded them again.
 class DescriptorsKeptOnTheDevice : public ::testing::Test {
  protected:
   static constexpr int kCount = 40;
@@ -86,7 +86,7 @@ class DescriptorsKeptOnTheDevice : public ::testing::Test {
     std::copy(rows.data(), rows.data() + rows.size(), numbers.data());
     return numbers;
   }
-  /// In `rows`, or lost, as `status` says.
+  /// In `rows`, or lost, depending on `status`.
   static std::shared_ptr<const KeptDescriptors> kept_on(
       const std::shared_ptr<Device>& device, const std::shared_ptr<const cl::Buffer>& rows,
       int count, cl_int status) {
@@ -94,7 +94,7 @@ class DescriptorsKeptOnTheDevice : public ::testing::Test {
     ready.setStatus(status);
     return std::make_shared<const KeptDescriptors>(device, rows, ready, count);
   }
-  /// Whether its trains, or its queries, are `these`: each finds itself from the other side.
+  /// True if its trains, or its queries, are `these`: each finds itself from the other side.
   bool search_has(const Array<std::uint8_t>& these, bool as_trains, bool root) {
     if (as_trains) {
       search_.load_queries(floats(these), root, never);

@@ -108,8 +108,8 @@ struct Reliability {
     total += 1.0;
   }
   double brier() const { return squares / total; }
-  /// What the Brier score would be if each bin said what came true: the sets' own uncertainty
-  /// (Murphy, Journal of Applied Meteorology 12, 1973).
+  /// The Brier score if each bin predicted its true rate: the sets' own uncertainty (Murphy,
+  /// Journal of Applied Meteorology 12, 1973).
   double uncertainty() const {
     double sum = 0.0;
     for (std::size_t bin = 0; bin < 10; ++bin) {
@@ -136,7 +136,7 @@ struct Reliability {
   }
 };
 
-/// Whether the kept matches are mostly correct and most of the correct ones.
+/// True if the kept matches are mostly inliers and include most of the inliers.
 bool is_the_object(const InlierMask& mask, const std::vector<std::uint8_t>& correct) {
   double kept = 0.0, good = 0.0, right = 0.0;
   for (std::size_t i = 0; i < correct.size(); ++i) {
@@ -148,7 +148,8 @@ bool is_the_object(const InlierMask& mask, const std::vector<std::uint8_t>& corr
   return good > 0.0 && good >= 0.5 * kept && good >= 0.5 * right;
 }
 
-/// Without a track nothing tells a copy that has as many matches as the object from the object.
+/// Without a track, a copy with as many matches as the object cannot be distinguished from the
+/// object.
 bool decidable(const SceneSpec& spec) {
   if (spec.kind != Kind::copy) return true;
   const double on_copy = std::floor(kCopyShare * spec.count);
@@ -198,7 +199,7 @@ TEST(AemConfidence, IsAsOftenRightAsItSays) {
   EXPECT_LT(matches.calibration_error(), 0.02);
 }
 
-/// What nothing tells apart: the answer is the object, its copy, or flagged.
+/// Sets that cannot be distinguished: the result is the object, its copy, or flagged.
 TEST(AemConfidence, IsOfACopyWhereThatHasAsManyMatchesAsTheObject) {
   FilterBench bench("filters/aem", "{least_confidence: 0}");
   int sets = 0, object = 0, copy = 0, flagged = 0, neither = 0;

@@ -111,7 +111,7 @@ TEST(Aem, OwesWhatEveryFilterOwes) {
   }
 }
 
-/// The sheet and, with as many matches, a copy of it that is moved.
+/// The surface and, with as many matches, a copy of it that is moved.
 struct TwoSheets {
   Correspondences matches;
   std::vector<std::uint8_t> on_sheet, on_copy;

@@ -34,7 +34,7 @@ Seed half_size() {
   return seed;
 }
 
-/// All matches go to one place, whichever part of the texture they are of.
+/// All matches go to one place, from whichever part of the texture.
 TEST(Annealing, DoesNotTakeAClusterForASheet) {
   Rng rng(32);
   Matches matches = seen_at_half_size(0, 600, rng);
@@ -52,7 +52,7 @@ TEST(Annealing, DoesNotTakeAClusterForASheet) {
   EXPECT_GT(of_sheet.run(start_from(sheet, half_size())).log_likelihood, 1000.0);
 }
 
-/// Correct matches on the left half; the right is hidden, and one match of it goes to a copy.
+/// Inliers on the left half; the right is hidden, and one match of it goes to a copy.
 TEST(Isolated, IsAMatchToACopyWhereTheSheetIsHidden) {
   constexpr int kMatches = 800, kOnCopy = 3;
   Rng rng(33);

@@ -18,8 +18,8 @@ enum class Kind {
   paper,     ///< the deformations of Shetab-Bushehri et al. 2023, mismatches uniform in the image
   turned,    ///< those, turned in the plane by any angle
   strong,    ///< a cylinder of 0.12 m, turned by any angle
-  clusters,  ///< of the mismatches most go to few places in the image
-  copy       ///< 15 % of the matches, all wrong, lie on a smaller copy of the sheet
+  clusters,  ///< most mismatches go to few places in the image
+  copy       ///< 15 % of the matches, all outliers, lie on a smaller copy of the surface
 };
 
 inline constexpr double kCopyShare = 0.15;
@@ -78,7 +78,7 @@ inline void cluster(LabelledMatches& drawn, Rng& rng) {
   }
 }
 
-/// Puts the first mismatches on another picture of the sheet.
+/// Puts the first mismatches on another copy of the surface.
 inline void add_copy(LabelledMatches& drawn, double share, Rng& rng) {
   const double turn = rng.uniform(-std::numbers::pi, std::numbers::pi);
   const double scale = rng.uniform(0.15, 0.25);
@@ -96,7 +96,7 @@ inline void add_copy(LabelledMatches& drawn, double share, Rng& rng) {
   }
 }
 
-/// Scales and angles as a detector finds them: rough for correct matches, any for the others.
+/// Scales and angles as a detector finds them: rough for inliers, any for the others.
 inline void orient(LabelledMatches& drawn, const Template& templ, const Points3& vertices_m,
                    Rng& rng) {
   const Points2 image_px = project_points(pinhole(make_camera()), vertices_m);

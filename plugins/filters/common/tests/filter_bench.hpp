@@ -53,14 +53,14 @@ struct FilterBench {
   Template templ = make_template(kSheet);
 };
 
-/// Matches on the template's flat sheet.
+/// Matches on the template's flat surface.
 inline LabelledMatches flat_matches(const MatchSpec& spec, std::uint64_t seed) {
   Rng rng(seed);
   const DevelopableSheet sheet = make_bent_sheet({}, {}, {0.65, 0.0, 0.0, 0.2, -0.3, 0.1});
   return draw_matches(make_template(), make_camera(), sheet, spec, rng);
 }
 
-/// Matches on a sheet bent to a cylinder.
+/// Matches on a surface bent to a cylinder.
 inline LabelledMatches bent_matches(const MatchSpec& spec, double radius_m, std::uint64_t seed) {
   Rng rng(seed);
   const DevelopableSheet sheet = make_cylinder({}, radius_m, 0.4);
@@ -93,7 +93,7 @@ inline Correspondences reordered(const Correspondences& matches,
   return result;
 }
 
-/// That a filter's answer does not depend on the order of the matches.
+/// Expects that a filter's result does not depend on the order of the matches.
 inline void expect_no_order(FilterBench& bench, const Correspondences& matches) {
   std::vector<std::int64_t> rows(to_index(matches.count()));
   std::iota(rows.begin(), rows.end(), 0);
@@ -107,9 +107,8 @@ inline void expect_no_order(FilterBench& bench, const Correspondences& matches) 
   }
 }
 
-/// What every filter owes whoever calls it, on matches that it can judge: answers that depend on
-/// nothing but the input, copies judged alike, nothing taken back, and an error or no result for
-/// what cannot be judged.
+/// The contract of every filter, on matches that it can judge. Results depend on the input alone,
+/// copies are judged alike, and nothing is restored. Invalid input gives an error or no result.
 inline void expect_filter_contract(const std::string& id, const Correspondences& matches) {
   FilterBench bench(id), fresh(id);
   expect_no_order(bench, matches);

@@ -17,7 +17,7 @@ std::vector<int> first(int count) {
   return among;
 }
 
-/// By sorting all, distances compared in the precision that is documented.
+/// Sorts all, with distances compared in the precision that is documented.
 Nearest by_sorting(const Points2& points, const std::vector<int>& among, int count) {
   Nearest nearest = Nearest::Constant(points.rows(), count, -1);
   for (Eigen::Index i = 0; i < points.rows(); ++i) {

@@ -85,9 +85,8 @@ TEST(Gms, HasNoResultWithoutStatistics) {
   EXPECT_EQ(noise.status, WEFT_DEGENERATE) << noise.message;
 }
 
-/// Twelve matches by hand over 4 x 4 cells: cell (1,1) has five, four of which go to cell (2,1) of
-/// the image and one elsewhere; its right neighbour has three that go along, its lower one three
-/// that do not.
+/// Twelve matches by hand over 4 x 4 cells. Cell (1,1) has five: four go to cell (2,1) of the image
+/// and one elsewhere. Its right neighbour has three that go along, its lower one three that do not.
 TEST(CellSupport, IsWhatTheEquationSays) {
   Points2 p(12, 2), q(12, 2);
   const auto set = [&](int i, double pu, double pv, double qu, double qv) {

@@ -94,7 +94,7 @@ TEST(NeighbourSets, AreThoseOfCgalForAClusterInAWideField) {
 }
 
 TEST(NeighbourSets, AreThoseOfCgalForPointsOnOneCircle) {
-  constexpr int kRadius = 325;  // of 60 points with whole coordinates
+  constexpr int kRadius = 325;  // radius for 60 points with whole coordinates
   std::set<Place> places{{0.0, 0.0}, {400.0, 7.0}};
   for (int x = -kRadius; x <= kRadius; ++x) {
     for (int y = -kRadius; y <= kRadius; ++y) {

@@ -17,7 +17,7 @@ namespace weft::testing {
 
 inline const Template kTemplate = make_template();
 
-/// Matches at template points with image points of their own; those off the mesh get no face.
+/// Matches at template points with separate image points; those off the mesh get no face.
 inline Correspondences make_matches(const Points2& template_px, const Points2& image_px) {
   const Eigen::Index n = template_px.rows();
   const auto locator =
@@ -58,7 +58,7 @@ inline Points2 similar(const Points2& points) {
   return (points * turn).rowwise() + Eigen::RowVector2d(150.0, 40.0);
 }
 
-/// Matches of a bent sheet, of which a part is wrong.
+/// Matches of a bent surface, with a share of outliers.
 inline LabelledMatches bent_matches(int count, double correct_rate, std::uint64_t seed) {
   Rng rng(seed);
   const auto shape = draw_deformation({}, make_camera(), rng);

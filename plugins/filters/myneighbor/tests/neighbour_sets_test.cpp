@@ -40,7 +40,7 @@ Set neighbours(const NeighbourSets& sets, std::int32_t i) {
   return found;
 }
 
-/// Whether d is inside the circle through a, b and c.
+/// True if d is inside the circle through a, b and c.
 bool in_circle(const Points2& p, int a, int b, int c, int d) {
   Eigen::Matrix3d m;
   int row = 0;
@@ -130,7 +130,7 @@ TEST(NeighbourSets, AreTheSameInAnyUnitOfLength) {
     EXPECT_EQ(sets.offsets, expected.offsets) << exponent;
     EXPECT_EQ(sets.items, expected.items) << exponent;
   }
-  Points2 corners(4, 2);  // as far apart as numbers go
+  Points2 corners(4, 2);  // coordinates at the limits of the type
   const double most = std::numeric_limits<double>::max();
   corners << -most, -most, most, -most, most, most, -most, 0.5 * most;
   EXPECT_EQ(neighbours(sets_of(corners), 0), (Set{1, 3}));

@@ -9,9 +9,9 @@
 
 namespace weft::testing {
 
-/// One scenario of the published synthetic experiment and the rates expected of it, in percent:
-/// selected matches and the share of correct ones after steps I and II, rates of mismatches found
-/// and of correct matches rejected after step III.
+/// One scenario of the published synthetic experiment and the expected rates, in percent. After
+/// steps I and II: selected matches and the share of inliers in them. After step III: rates of
+/// mismatches found and of inliers rejected.
 struct PublishedRates {
   int matches;
   double correct_rate;

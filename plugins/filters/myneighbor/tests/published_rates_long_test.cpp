@@ -9,8 +9,8 @@ namespace {
 
 using namespace weft::testing;
 
-/// Shetab-Bushehri et al. 2023, Section V, alpha_s = 0.15: a mean over 200 deformations is within
-/// 3 points of the expected rates, within 8 where many correct matches are rejected.
+/// Shetab-Bushehri et al. 2023, Section V, alpha_s = 0.15. A mean over 200 deformations is within 3
+/// points of the expected rates, within 8 where many inliers are rejected.
 class PublishedExperiment : public ::testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(PublishedExperiment, GivesThePublishedRates) {

@@ -13,7 +13,7 @@ namespace {
 constexpr double kWidthPx = 960.0, kHeightPx = 575.0;
 
 /// Flat up to 0.35 of the width, then rolled away from the camera (parallel projection): from
-/// `edge` on the sheet is behind the roll.
+/// `edge` on the surface is behind the roll.
 struct RolledSheet {
   double flat_px = 0.35 * kWidthPx, edge_px = kWidthPx * 2.0 / 3.0;
   double radius_px = (edge_px - flat_px) / (0.5 * std::numbers::pi);
@@ -68,7 +68,7 @@ TEST(Pizarro, JudgesFewMatchesByOneAffineMap) {
   EXPECT_EQ(bench.run(flat_matches({3, 1.0, 0.0, 2.0}, 42).matches).status, WEFT_NO_RESULT);
 }
 
-/// Four rows far apart: the nearest ten of most matches lie in the row.
+/// Four distant rows: the nearest ten of most matches lie in the row.
 TEST(Pizarro, TakesMoreNeighboursWhereTheNearestLieOnALine) {
   LabelledMatches drawn = flat_matches({160, 1.0, 0.0, 2.0}, 46);
   for (std::int64_t i = 0; i < 160; ++i) {

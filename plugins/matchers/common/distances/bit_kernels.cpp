@@ -57,7 +57,7 @@ int differing_plain(const std::uint64_t* a, const std::uint64_t* b, int words) {
   return differing_bits(a, b, words, 1);
 }
 
-/// Bits of half a byte come from a table; sums of bytes hold those of so many words.
+/// Bits of half a byte come from a table; sums of bytes hold those of this many words.
 [[gnu::target("avx2")]] void fill_bits_avx2(const std::uint64_t* queries,
                                             const std::uint64_t* panels, int row_length, int words,
                                             int shift, std::int16_t* codes) {

@@ -23,7 +23,7 @@ typedef std::uint16_t WordsInMemory __attribute__((vector_size(16), aligned(1), 
 
 Words words_at(const std::uint8_t* bytes) { return *reinterpret_cast<const WordsInMemory*>(bytes); }
 
-/// Of each pair of bytes one sum of 16 bits: no sum is beyond kLargestNorm, by Cauchy and Schwarz.
+/// One sum of 16 bits for each pair of bytes: no sum is beyond kLargestNorm, by Cauchy and Schwarz.
 void add_products(Words& sums, Words a, Words b) {
   sums += (a & 0xFF) * (b & 0xFF) + (a >> 8) * (b >> 8);
 }

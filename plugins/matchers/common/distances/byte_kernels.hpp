@@ -16,9 +16,9 @@ inline constexpr int kRowBytes = 32;
 inline constexpr int kLargestByte = 127;
 inline constexpr int kLargestNorm = 255 * 255;
 
-/// Inner loops on rows of bytes a, b, for one kind of processor. The code of two rows is
-/// (h(a) + h(b) - a.b) / 2 rounded down, where h(a) = |a|^2 / 2 rounded up, so that
-/// 4 c - 2 <= |a - b|^2 <= 4 c + 2; at most 32767. All kinds give the same codes.
+/// Inner loops on rows of bytes a, b, for one kind of processor. The code of two rows is (h(a) +
+/// h(b) - a.b) / 2 rounded down, at most 32767. Here h(a) = |a|^2 / 2 rounded up, so that 4 c - 2
+/// <= |a - b|^2 <= 4 c + 2. All kinds give the same codes.
 struct ByteKernels {
   const char* name;
 

@@ -11,15 +11,15 @@ namespace weft::matchers {
 inline constexpr int kBlockQueries = 24;
 /// Lengths of rows of codes are multiples of this.
 inline constexpr int kCodeBlock = 64;
-/// What is beyond the last train has this code; no pair has.
+/// The code of all positions beyond the last train; no pair has it.
 inline constexpr std::int16_t kBeyond = 32767;
 
 /// Distances between two sets of descriptors: coarse ones, of very many pairs at once, and the
 /// distance itself, of the few pairs that the coarse ones leave in question.
 ///
 /// A coarse distance is a code c with lower(q, c) <= distance(q, t) <= upper(q, c), both rising
-/// with c; it is the same on every processor. What is decided by these bounds and, where they leave
-/// a doubt, by distances is therefore exact.
+/// with c; it is the same on every processor. Decisions by these bounds and, where they leave a
+/// doubt, by distances are therefore exact.
 class CoarseDistances {
  public:
   /// Memory that a fill() works in, one for each thread.

@@ -42,7 +42,7 @@ class CoarseHamming final : public CoarseDistances {
 
   const BitKernel* kernel_;
   Side query_side_, train_side_;
-  int words_ = 0;  ///< of 64 bits in a descriptor
+  int words_ = 0;  ///< number of 64-bit words in a descriptor
   int shift_ = 0;  ///< a code is the number of bits without its last ones
 };
 

@@ -73,12 +73,12 @@ void CoarseL2::Side::quantise(const Rounding& wanted, Workers& workers, int thre
   const int row_bytes = wanted.row_bytes;
   bytes.resize(padded * to_index(row_bytes));
   fine.resize(to_index(count()) * to_index(row_bytes));
-  // What is beyond the last number of a row, or the last row, is zero.
+  // Numbers beyond the end of a row, and rows beyond the last, are zero.
   const bool is_padded = !rows.empty() && rows.front().length != row_bytes;
   const std::size_t written = is_padded ? 0 : to_index(count()) * to_index(row_bytes);
   std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(written), bytes.end(), std::uint8_t{0});
   if (is_padded) std::fill(fine.begin(), fine.end(), std::int16_t{0});
-  // Of rows beyond the last, so large that their codes become kBeyond.
+  // Halves for rows beyond the last, so large that their codes become kBeyond.
   halves.assign(padded, 1 << 20);
   errors.resize(rows.size());
   fine_errors.resize(rows.size());

@@ -10,10 +10,10 @@
 
 namespace weft::matchers {
 
-/// L2 distances. Coarse ones are those of descriptors rounded to bytes, a ~ b / s + o with one
-/// scale s and one offset o for both sides. By the triangle inequality s |a - a'| is within
-/// e(a) + e(a') of |b - b'|, where the error e(a) = |s (a - o) - b| of each descriptor is computed
-/// when it is rounded. Fine distances are the same of descriptors rounded to 16 bits.
+/// L2 distances. Coarse distances are those of descriptors rounded to bytes, a ~ b / s + o with one
+/// scale s and one offset o for both sides. The triangle inequality bounds s |a - a'| to within
+/// e(a) + e(a') of |b - b'|. The error e(a) = |s (a - o) - b| of each descriptor is computed when
+/// it is rounded. Fine distances use descriptors rounded to 16 bits in the same way.
 class CoarseL2 final : public CoarseDistances {
  public:
   explicit CoarseL2(const ByteKernels& kernels = byte_kernels().front()) : kernels_(&kernels) {}
@@ -37,11 +37,11 @@ class CoarseL2 final : public CoarseDistances {
 
  private:
   struct Range {
-    float lowest = 0.0F;        ///< of all numbers, at most 0
-    double largest_norm = 0.0;  ///< of a row from which `lowest` is subtracted
+    float lowest = 0.0F;        ///< minimum of all numbers, at most 0
+    double largest_norm = 0.0;  ///< largest norm of a row from which `lowest` is subtracted
   };
 
-  /// What rows were rounded by.
+  /// The parameters of the rounding of rows.
   struct Rounding {
     float lowest = 0.0F, scale = 0.0F;
     int row_bytes = 0;
@@ -60,10 +60,10 @@ class CoarseL2 final : public CoarseDistances {
     float largest_error = 0.0F;
     float largest_fine_error = 0.0F;
     bool is_packed = false;
-    std::uint64_t revision = 0;  ///< of what the rows hold
+    std::uint64_t revision = 0;  ///< revision of the data in the rows
     bool root = false;
     Range range;
-    Rounding rounding;  ///< of the bytes; scale 0 for none
+    Rounding rounding;  ///< rounding of the bytes; scale 0 for none
 
     int count() const { return static_cast<int>(rows.size()); }
     void load(const Array<float>& descriptors, bool with_root, std::uint64_t new_revision,

@@ -47,7 +47,7 @@ class CodeRow {
     std::int16_t code;
   };
   std::int16_t* codes_ = nullptr;
-  std::vector<Codes> minima_;  ///< of each block, by lanes
+  std::vector<Codes> minima_;  ///< minima of each block, by SIMD slot
   std::vector<Hidden> hidden_;
 };
 

@@ -79,7 +79,7 @@ typedef double FourDoubles __attribute__((vector_size(4 * sizeof(double))));
 #endif
 }
 
-/// In an order of its own.
+/// In an unspecified order.
 template <class Lanes>
 [[gnu::always_inline]] inline auto sum_of(const Lanes& lanes) {
   return ((lanes[0] + lanes[4]) + (lanes[1] + lanes[5])) +

@@ -18,18 +18,19 @@ struct Nearest {
   double second_distance = 0.0;
 };
 
-/// Takes the nearest two from a row of codes, exactly: bounds leave out what cannot be nearest,
-/// fine distances most of the rest, and distances decide. The lowest train wins a tie.
+/// Takes the nearest two from a row of codes, exactly. Bounds exclude most trains, fine distances
+/// most of the rest, and distances decide. The lowest train wins a tie.
 class NearestTwo {
  public:
   /// To be opened before each search.
   CodeRow row;
 
-  /// The codes are those of the trains train_at(position). is_near(p, q, factor) says whether two
-  /// positions are the same or their trains lie within `factor` times the radius that is not yet
-  /// elsewhere; hide_near(p, factor) hides all of which it says so. A query of which it is sure
-  /// that distance >= ratio * second_distance is given up early and has no best; with ratio
-  /// infinity, none is.
+  /// The codes are those of the trains train_at(position). `is_near(p, q, factor)` is true if two
+  /// positions are the same or their trains are close to each other. Close means within `factor`
+  /// times the radius beyond which trains count as elsewhere. `hide_near(p, factor)` hides all
+  /// positions for which it is true. The search gives up early on a query, which then has no best,
+  /// when it is certain that distance >= ratio * second_distance. With ratio infinity it gives up
+  /// on none.
   template <class TrainAt, class IsNear, class HideNear>
   Nearest find(const CoarseDistances& distances, int query, double ratio, TrainAt&& train_at,
                IsNear&& is_near, HideNear&& hide_near);
@@ -59,7 +60,7 @@ NearestTwo::Found NearestTwo::nearest(const CoarseDistances& distances, int quer
   double least = distances.fine_distance(query, train_at(start));
   contenders_.assign(1, {start, train_at(start), least});
   row.for_each_up_to(distances.last_code(query, least + slack), [&](int position, int code) {
-    // What is farther than `least` by twice the slack is farther than that one.
+    // A train farther than `least` by twice the slack is farther than that one.
     if (position == start || distances.lower(query, code) > least + slack) return;
     if (!counts(position)) return;
     const int train = train_at(position);
@@ -103,8 +104,8 @@ Nearest NearestTwo::find(const CoarseDistances& distances, int query, double rat
   if (minimum == kBeyond) return {};
   const int start = row.first_with(minimum);
   if (ratio < std::numeric_limits<double>::infinity()) {
-    // Whichever within the radius of the coarse best is the best, what is beyond twice the radius
-    // lies elsewhere; and if the best itself is elsewhere, so is the coarse best.
+    // Trains beyond twice the radius of the coarse best are elsewhere for any best within the
+    // radius. If the best itself is elsewhere, so is the coarse best.
     const int beyond = smallest_elsewhere(start, 2.0);
     const bool hopeless = beyond >= 0 && distances.lower(query, minimum) >=
                                              ratio * distances.upper(query, row.code_at(beyond));

@@ -80,7 +80,7 @@ struct FastSurvey {
           static_cast<std::int32_t>(std::min<std::int64_t>(squared, INT32_MAX))};
 }
 
-/// Of rows padded with zeros to a multiple of kRowBytes.
+/// For rows padded with zeros to a multiple of kRowBytes.
 std::int32_t fine_plain(const std::int16_t* a, const std::int16_t* b, int length) {
   typedef std::int16_t ShortsInMemory
       __attribute__((vector_size(sizeof(Shorts)), aligned(alignof(std::int16_t)), may_alias));

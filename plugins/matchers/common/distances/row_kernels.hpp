@@ -21,7 +21,7 @@ ComparedRow root_of(const float* numbers, int length);
 
 struct RowSurvey {
   bool is_finite = true;
-  float lowest = 0.0F;  ///< of its numbers and 0
+  float lowest = 0.0F;  ///< minimum of its numbers and 0
   double norm = 0.0;    ///< |numbers|; may be infinite only where it is beyond double
 };
 RowSurvey survey_row(const float* numbers, int length);
@@ -33,10 +33,10 @@ double norm_above(float lowest, const float* numbers, int length);
 struct Rounded {
   float error = 0.0F;             ///< |scale (row - lowest) - bytes|, or infinity
   float fine_error = 0.0F;        ///< |scale (row - lowest) - fine / kFineUnit|, or infinity
-  std::int32_t squared_norm = 0;  ///< of the bytes, at most kLargestNorm
+  std::int32_t squared_norm = 0;  ///< squared norm of the bytes, at most kLargestNorm
 };
 
-/// Fine numbers are so many to one of a byte.
+/// Number of fine units in one unit of a byte.
 inline constexpr int kFineUnit = 128;
 
 /// Rounds scale (row - lowest) to bytes of at most kLargestByte, and more finely; both are written
@@ -48,7 +48,7 @@ Rounded round_row(const ComparedRow& row, float lowest, float scale, std::uint8_
 /// 2^31 for all that round_row() makes.
 std::int32_t fine_squared_distance(const std::int16_t* a, const std::int16_t* b, int length);
 
-/// |a - b|, summed in double in an order of its own: exact for whole numbers.
+/// |a - b|, summed in double in an unspecified order: exact for whole numbers.
 double l2_distance(const ComparedRow& a, const ComparedRow& b);
 
 }  // namespace weft::matchers

@@ -29,7 +29,7 @@ double by_definition(const Array<float>& a, std::int64_t i, const Array<float>& 
   return std::sqrt(sum);
 }
 
-/// The code of each pair, by fill() and, which must say the same, by fill_some().
+/// The code of each pair, by fill() and by fill_some(), which must agree.
 std::vector<std::int16_t> codes_of(CoarseL2& distances) {
   distances.pack_trains();
   const int length = distances.row_length();
@@ -187,7 +187,7 @@ TEST(CoarseL2, KeepsWhatItMadeOfASideOfTheSameRevisionOnly) {
       const Array<float> image = random_descriptors(30, 128, rng);
       for (const Array<float>* trains : {&image, &negative}) {
         if (root && trains == &negative) continue;
-        Array<float> moved({20, 128}, 0.0F);  // of the same content elsewhere in memory
+        Array<float> moved({20, 128}, 0.0F);  // the same content elsewhere in memory
         std::copy_n(rows->data(), rows->size(), moved.data());
         CoarseL2 fresh;
         fresh.load(moved, *trains, root);

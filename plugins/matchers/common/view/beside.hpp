@@ -14,8 +14,8 @@ inline constexpr Aside kAsides[] = {{0, 0},  {3, 0},  {-3, 0},  {0, 3},  {0, -3}
                                     {-3, 3}, {3, -3}, {-3, -3}, {6, 0},  {-6, 0}, {0, 6},
                                     {0, -6}, {6, 6},  {-6, 6},  {6, -6}, {-6, -6}};
 
-/// The patch of a point, by take(aside); beside the border of what is drawn it is the nearest piece
-/// that was drawn wholly.
+/// The patch of a point, by take(aside); beside the border of the rendered part it is the nearest
+/// piece that was rendered completely.
 template <class Take>
 Patch::Fit take_beside(Take&& take) {
   Patch::Fit fit = Patch::Fit::not_drawn;

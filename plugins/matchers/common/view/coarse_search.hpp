@@ -22,20 +22,23 @@ struct CoarseShift {
   }
 };
 
-/// Tries all whole displacements up to a reach by normalised correlation over what is drawn.
+/// Tries all whole displacements up to a reach by normalised correlation over the rendered part.
 class CoarseSearch {
  public:
-  /// `search_px` is the reach in px of the image. A displacement must beat a nearer one by some
-  /// correlation: a print may repeat itself. Half of what is drawn must stay inside the image.
+  /// `search_px` is the reach in px of the image. A displacement must exceed the correlation of a
+  /// nearer one by a margin, because a texture may repeat itself. Half of the rendered part must
+  /// stay inside the image.
   CoarseShift find(const PredictedView& view, const Pyramid& image, double search_px);
 
  private:
   void lay_out(const ViewLevel& view, int reach_px, const Picture& image);
   float correlation_at(int dx, int dy) const;
 
-  int columns_ = 0, rows_ = 0;               ///< of the view, columns up to a whole number of lanes
-  int stride_ = 0;                           ///< of the image
-  std::vector<float> weight_, grey_;         ///< [rows * columns] 1 where drawn, and its grey level
+  int columns_ = 0, rows_ = 0;               ///< size of the view, columns rounded up to a multiple
+                                             ///< of the SIMD width
+  int stride_ = 0;                           ///< row length of the image
+  std::vector<float> weight_, grey_;         ///< [rows * columns] 1 where rendered, and its grey
+                                             ///< level
   std::vector<float> image_, image_weight_;  ///< the image around the view, 0 where there is none
   int reach_ = 0;
   float drawn_ = 0.0F;

@@ -9,12 +9,12 @@
 
 namespace weft::view {
 
-/// Whether the image is the camera's, grey or BGR, and the shape, `named` so, the template's. The
-/// Error says what to change.
+/// Checks that the image has the camera's size and is grey or BGR, and that the shape, called
+/// `named`, fits the template. The Error suggests what to change.
 Result<void> check_frame(const Image& image, const Camera& camera, const Template& templ,
                          const Shape& shape, const char* named);
 
-/// Whether the texture is as large as a patch.
+/// Checks that the texture is at least as large as a patch.
 Result<void> check_texture(const Template& templ);
 
 }  // namespace weft::view

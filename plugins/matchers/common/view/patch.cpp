@@ -50,7 +50,7 @@ constexpr std::array<float, Patch::kSide> make_ramp() {
 }
 alignas(16) constexpr std::array<float, Patch::kSide> kRamp = make_ramp();
 
-/// Takes out mean and slope, which tell of the light as much as of the print.
+/// Removes mean and slope, which depend on the light as much as on the texture.
 void take_light(float* values) {
   take_mean(values);
   float along_x = 0.0F, along_y = 0.0F;
@@ -207,7 +207,7 @@ Alignment Patch::find_in(const Picture& image, float dx, float dy, float reach_p
     }
     const float norm = std::sqrt(spread2);
     found.correlation = sums.along_t / norm;
-    // Far from a fit the contrast under the patch says little; t explains `along_t` of it.
+    // Far from a fit the contrast under the patch is unreliable; t explains `along_t` of it.
     const float gain = 1.0F / std::max(sums.along_t, 0.5F * norm);
     const float right_x = sums.along_x * gain, right_y = sums.along_y * gain;
     const float step_x = inverse_xx_ * right_x + inverse_xy_ * right_y;

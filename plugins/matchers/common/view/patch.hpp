@@ -16,12 +16,12 @@ struct Alignment {
   float correlation = 0.0F;    ///< [] -1 to 1, normalised
 };
 
-/// A piece of a view, to be found in an image by moving it. With i the grey levels of the image
-/// under the patch, t those of the patch, both less the plane that fits them best and divided by
-/// their norm, the sum of (i(d) - t)^2 is minimised over the displacement d by the inverse
-/// compositional scheme of Baker and Matthews (IJCV 2004, equations 18 to 24): slopes are those of
-/// t, made orthogonal to t and to such planes. So brightness, contrast and a shade that grows to
-/// one side, as folds have, do not matter.
+/// A piece of a view, to be found in an image by moving it. Let i be the grey levels of the image
+/// under the patch and t those of the patch. Both are reduced by the plane that fits them best and
+/// divided by their norm. The search minimises the sum of (i(d) - t)^2 over the displacement d. It
+/// uses the inverse compositional scheme of Baker and Matthews (IJCV 2004, equations 18 to 24). Its
+/// slopes are those of t, made orthogonal to t and to such planes. Therefore brightness, contrast
+/// and a shade that grows to one side, as on folds, have no influence.
 class Patch {
  public:
   static constexpr int kSide = 12;  ///< [] px
@@ -31,8 +31,8 @@ class Patch {
 
   static constexpr int kBordered = kSide + 2;
 
-  /// Takes the piece whose first pixel is (x,y) of this level of the image. It and a border of one
-  /// pixel must have been drawn, and it must have structure along all directions.
+  /// Takes the piece whose first pixel is (x,y) of this level of the image. The piece and a border
+  /// of one pixel must have been rendered, and it must have structure along all directions.
   Fit take(const ViewLevel& view, int x, int y);
   /// The same of an image.
   Fit take(const Picture& image, int x, int y);
@@ -42,7 +42,7 @@ class Patch {
   /// Looks for it in `image`, beginning at a displacement; may go `reach_px` away from there.
   Alignment find_in(const Picture& image, float dx, float dy, float reach_px) const;
 
-  /// Of the patch with the image under it, moved by so much; 0 beyond the image.
+  /// Correlation of the patch with the image under it, moved by (dx,dy); 0 beyond the image.
   float correlation_at(const Picture& image, float dx, float dy) const;
 
   /// Covariance [px^2] of the place, where all that differs between patch and image is noise.
@@ -53,7 +53,7 @@ class Patch {
 
  private:
   struct Sums {
-    float spread2;  ///< of the grey levels, light taken out
+    float spread2;  ///< spread of the grey levels without light
     float along_t, along_x, along_y;
   };
   bool is_inside(const Picture& image, float place_x, float place_y) const;
@@ -62,7 +62,8 @@ class Patch {
 
   int x_ = 0, y_ = 0;  ///< px of its first pixel
   alignas(64) std::array<float, kSize> t_{}, slope_x_{}, slope_y_{};
-  float inverse_xx_ = 0.0F, inverse_xy_ = 0.0F, inverse_yy_ = 0.0F;  ///< of the normal matrix
+  float inverse_xx_ = 0.0F, inverse_xy_ = 0.0F, inverse_yy_ = 0.0F;  ///< inverse of the normal
+                                                                     ///< matrix
   float least_slope2_ = 0.0F;  ///< [1/px^2] smallest eigenvalue of the normal matrix
 };
 

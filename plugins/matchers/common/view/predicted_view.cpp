@@ -19,7 +19,7 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// Bilinear grey levels at four places, at the border those of the border; the picture has at least
+/// Bilinear grey levels at four places, at the border those of the border; the image has at least
 /// two pixels along each side.
 Lanes sample_texture(const Picture& picture, Lanes u, Lanes v) {
   const Lanes right = Lanes{} + (static_cast<float>(picture.width) - 1.001F);
@@ -307,7 +307,7 @@ bool PredictedView::is_drawn(const Eigen::Vector2d& place_px, double radius_px) 
   return true;
 }
 
-/// Whether the texel at this place of a texture at `scale` is the object's.
+/// True if the texel at this place of a texture at `scale` belongs to the object.
 bool PredictedView::is_object(float u, float v, double scale) const {
   const auto texel = [&](float place, std::int64_t size) {
     const double whole = std::round((static_cast<double>(place) + 0.5) / scale - 0.5);

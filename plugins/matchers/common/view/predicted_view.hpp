@@ -14,10 +14,10 @@
 
 namespace weft::view {
 
-/// A part of the image at one level: where it begins, what is drawn and where.
+/// A part of the image at one level: its origin, its rendered pixels and their mask.
 struct ViewLevel {
   int x0 = 0, y0 = 0;                 ///< [] px of this level, of the first pixel
-  Picture grey{};                     ///< anything where nothing is drawn
+  Picture grey{};                     ///< undefined where nothing is rendered
   std::vector<std::uint8_t> drawn{};  ///< [height * width] 1 where the texture is seen
   std::vector<std::int32_t> face{};   ///< [height * width] nearest one, -1: none; finest level only
 
@@ -39,20 +39,20 @@ struct Lattice {
 };
 
 /// The template's texture as the camera would see it on a shape, without light and noise. All of it
-/// is drawn at the size of its finest level and less: each face with perspective from the halved
-/// copy of the texture that has about one texel a pixel; a depth buffer hides what lies behind, and
-/// a face seen from its back shows nothing. At finer levels pieces of it are made where they are
-/// wanted, as if the face there went on.
+/// is rendered at the size of its finest level and below. Each face is rendered with perspective
+/// from the halved copy of the texture that has about one texel a pixel. A depth buffer hides
+/// surfaces behind, and a face seen from its back shows nothing. At finer levels pieces are
+/// rendered on demand, as if the face there continued.
 class PredictedView {
  public:
-  /// Levels from `finest` on are drawn, with the faces seen at that one if they are wanted.
+  /// Renders levels from `finest` on, with the faces seen at that one if `with_faces`.
   explicit PredictedView(int finest, bool with_faces = false)
       : finest_(finest), with_faces_(with_faces) {}
 
   int finest() const { return finest_; }
 
-  /// What is the same in all frames: keeps the texture's pyramid and the mesh. The texture has at
-  /// least two pixels along each side.
+  /// Loads the data that are the same in all frames: keeps the texture's pyramid and the mesh. The
+  /// texture has at least two pixels along each side.
   void load(const Template& templ);
 
   /// False where no texture falls on the image. `vertices_m` [V,3] m, camera frame.
@@ -61,14 +61,14 @@ class PredictedView {
   /// From the finest on.
   const ViewLevel& level(int k) const { return levels_[to_index(k)]; }
 
-  /// Whether all within `radius_px` of the place, along both axes, is drawn: to the nearest pixel
-  /// of the finest level that is.
+  /// True if all pixels within `radius_px` of the place, along both axes, are rendered, to the
+  /// nearest pixel of the finest rendered level.
   bool is_drawn(const Eigen::Vector2d& place_px, double radius_px) const;
 
   /// The texture of a face at the places of a lattice, for pixels of a level.
   void sample(std::int32_t face, int level, const Lattice& lattice, Samples& samples) const;
 
-  /// The place in px of the point with these weights in the face, by the last shape drawn; NaN
+  /// The place in px of the point with these weights in the face, by the last rendered shape. NaN
   /// where a corner is not in front of the camera.
   Eigen::Vector2d place_px(std::int32_t face, const Eigen::Vector3d& weights) const;
   /// d(x,y)/d(u,v) of a face, px/px; the mean over its perspective.
@@ -88,12 +88,12 @@ class PredictedView {
     double at_origin = 0.0, along_x = 0.0, along_y = 0.0;
     double at(double x, double y) const { return at_origin + along_x * x + along_y * y; }
   };
-  /// A face in a picture of the image: the weights of its corners, 1/z, u/z and v/z.
+  /// A face in a level of the image: the weights of its corners, 1/z, u/z and v/z.
   struct FaceMap {
     std::array<Linear, 3> weights{};
     Linear nearness{}, u{}, v{};       ///< u and v in px of `texture`
     const Picture* texture = nullptr;  ///< null where the face has no area, or is not in front
-    double scale = 1.0;                ///< of `texture` to the template's
+    double scale = 1.0;                ///< from `texture` to the template's
     bool shows_print = false;
     Eigen::Vector2d low, high;  ///< [px] its box
   };
@@ -110,7 +110,7 @@ class PredictedView {
   Faces faces_;
   Array<std::uint8_t> mask_;  ///< a copy; absent where the texture has no holes
   std::vector<Vertex> vertices_;
-  std::vector<float> nearness_;            ///< [1/m] of the nearest surface drawn, by pixel
+  std::vector<float> nearness_;            ///< [1/m] of the nearest rendered surface, by pixel
   std::array<ViewLevel, kLevels> levels_;  ///< from finest_ on
   int finest_;
   bool with_faces_;

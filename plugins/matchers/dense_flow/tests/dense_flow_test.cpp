@@ -40,7 +40,7 @@ class DenseFlow : public ::testing::Test {
     return plugin.process(0, inputs(image, shape));
   }
 
-  /// What is found of a sheet that is thought to be at `before_` and is at `now`.
+  /// The result for a surface that is expected at `before_` and is at `now`.
   PluginAnswer find(const DevelopableSheet& now, const std::string& params = "{}") {
     return find(scene_.image_of(now, rng_), scene_.shape_of(before_), params);
   }
@@ -131,7 +131,7 @@ TEST_F(DenseFlow, DoubtsAShapeOfWhichTheImageShowsAPartOnly) {
   EXPECT_GT(confidence(0.0, 0.01), 0.99);
   image = view::PrintedScene::unevenly_lit(image, 0.5);
   EXPECT_GT(confidence(0.0, 0.01), 0.99) << "light does not matter";
-  // A seventh of the image shows the print of elsewhere, or grey.
+  // A seventh of the image shows the texture of another place, or grey.
   const auto with_band = [&](auto&& level) {
     Image other = image;
     other.pixels = Array<std::uint8_t>({image.pixels.dim(0), image.pixels.dim(1)});
@@ -182,7 +182,7 @@ TEST_F(DenseFlow, SaysHowExactAMatchIs) {
   const PluginAnswer outcome = find(now, "{spacing_px: 12}");
   ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
   const auto matches = *outcome.get<Correspondences>();
-  std::vector<double> squares;  // in units of what is said
+  std::vector<double> squares;  // in units of the reported deviation
   for (std::int64_t i = 0; i < matches.count(); ++i) {
     const Eigen::Vector2d texel = matches.template_px.matrix<2>().row(i);
     const Eigen::Vector2d seen_px = matches.image_px.matrix<2>().row(i);
@@ -190,8 +190,9 @@ TEST_F(DenseFlow, SaysHowExactAMatchIs) {
     const Eigen::Map<const Eigen::Matrix2d> covariance(matches.covariance_px2.row(i));
     squares.push_back(off_px.dot(covariance.inverse() * off_px));
   }
-  // Half of a chi square of two degrees of freedom lies below 1.39. What differs between patch and
-  // image is not only noise, so that a patch knows its place somewhat better than it says.
+  // Half of a chi square of two degrees of freedom lies below 1.39. The difference between patch
+  // and image is not only noise, so that the place of a patch is somewhat more accurate than
+  // reported.
   EXPECT_GT(median(squares), 0.1);
   EXPECT_LT(median(squares), 3.0);
 }
@@ -208,7 +209,7 @@ TEST_F(DenseFlow, RefusesAShapeThatIsTooFarOffAndAnotherPrint) {
   EXPECT_EQ(find(other.image_of(before_, rng_), scene_.shape_of(before_)).status, WEFT_NO_RESULT);
 }
 
-/// Starts are off by anything from nothing to a tenth of the picture and a third of a turn.
+/// Initial places are off by anything from nothing to a tenth of the image and a third of a turn.
 TEST_F(DenseFlow, IsRightWhereverItAnswers) {
   constexpr int kStarts = 40, kFewestAnswers = 25;
   PluginUnderTest plugin("matchers/dense_flow");

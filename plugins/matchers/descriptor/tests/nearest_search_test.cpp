@@ -27,7 +27,7 @@ Array<double> random_places(int count, double side_px, Rng& rng) {
   return places;
 }
 
-/// By the definition: a scan of all pairs, the lowest index winning ties.
+/// Scans all pairs, as in the definition; the lowest index wins ties.
 std::vector<Nearest> scan(const CoarseDistances& distances, const Array<double>& places,
                           const NearestSearch::Options& options) {
   std::vector<Nearest> all;
@@ -62,7 +62,7 @@ std::vector<Nearest> scan(const CoarseDistances& distances, const Array<double>&
   return all;
 }
 
-/// Of queries with two neighbours whose distance is below `ratio` times the second one.
+/// Compares queries with two neighbours whose distance is below `ratio` times the second one.
 void expect_same(const std::vector<Nearest>& found, const std::vector<Nearest>& expected,
                  double ratio) {
   ASSERT_EQ(found.size(), expected.size());

@@ -80,7 +80,7 @@ Eigen::Vector2d mapped(const Eigen::Matrix3d& h, double x, double y) {
 
 /// The share of the keypoints of the smaller set that lie within 1.5 px of one of the other image
 /// and have its scale within a factor of 1.4. Keypoints near the texture's border, and those too
-/// fine or too coarse for the other image, are left out.
+/// fine or too coarse for the other image, are omitted.
 double repeatability(const Keypoints& texture, const Keypoints& image, const Eigen::Matrix3d& h,
                      double scale) {
   const Eigen::Matrix3d back = h.inverse();

@@ -23,7 +23,7 @@ using testing::SheetSpec;
 
 constexpr int kOnSheet = 500, kBackground = 1500;
 
-/// A print of which descriptors and places on the sheet are known.
+/// A texture with known descriptors and places on the surface.
 struct Print {
   SheetSpec sheet;
   Template templ = testing::make_template(sheet);
@@ -44,18 +44,18 @@ struct Print {
     return testing::bent_vertices(templ, testing::make_cylinder(sheet, 0.25, 0.3, pose));
   }
 
-  /// The keypoints' places on a shape: the same points of the sheet for each.
+  /// The keypoints' places on a shape: the same points of the surface for each.
   Correspondences points_at(const Points3& vertices_m) const {
     Rng same(77);
     return testing::draw_matches(templ, camera, vertices_m, {.count = kOnSheet}, same).matches;
   }
 };
 
-/// What the camera sees: descriptors with noise, each keypoint of a print with its index.
+/// The image of the camera: descriptors with noise, each keypoint of a texture with its index.
 struct Picture {
   explicit Picture(std::uint64_t seed) : rng(seed) {}
 
-  /// A print whose keypoints `shows(i)` says are seen.
+  /// A texture with the visible keypoints that `shows(i)` selects.
   template <class Shows>
   void add(const Print& print, const PoseSpec& pose, Shows&& shows) {
     const Correspondences at = print.points_at(print.vertices_at(pose));
@@ -92,7 +92,7 @@ struct Picture {
   std::vector<std::vector<float>> descriptors;
 };
 
-/// A previous frame that saw the sheet in this pose and kept so many matches.
+/// A previous frame that saw the surface in this pose and kept this many matches.
 struct Past {
   Shape shape;
   Correspondences matches;
@@ -135,7 +135,7 @@ double evidence(const PluginAnswer& out, const char* name) {
   return out.get<Correspondences>()->diag.value(name, -1.0);
 }
 
-/// Of keypoints whose image keypoint `first + i` belongs to template keypoint i.
+/// Inliers among pairs: the image keypoint `first + i` belongs to template keypoint i.
 int correct(const Pairs& pairs, int first = 0) {
   int count = 0;
   for (const auto& [templ, image] : pairs) count += image == first + templ ? 1 : 0;
@@ -165,7 +165,7 @@ TEST(GuidedMatcher, FollowsASheetThatMovesALittle) {
       EXPECT_GT(evidence(out, "agreeing"), 0.95 * kOnSheet);
       EXPECT_GT(correct(found), 0.97 * kOnSheet);
       EXPECT_LT(static_cast<int>(found.size()) - correct(found), 0.02 * kOnSheet);
-      // What is found by looking everywhere is found by looking in the right place.
+      // A match of the whole image is also a match of the right place.
       for (const auto& pair : by_whole_search(print, seen, params)) {
         if (pair.first == pair.second) {
           EXPECT_TRUE(found.count(pair)) << pair.first;
@@ -221,7 +221,7 @@ TEST(GuidedMatcher, DoesNotTakeMatchesToAnythingForASheetThatWasHardlySeen) {
   Picture picture(8);
   picture.add(print, {.y_m = 0.08});
   const Keypoints seen = picture.keypoints();
-  // Weak ratios let many wrong matches pass: more than the previous frame kept.
+  // Weak ratios let many outliers pass: more than the previous frame kept.
   PluginUnderTest plugin("matchers/guided", "{ratio: 0.95, matcher: {use: matchers/descriptor}}");
   const PluginAnswer out = run(plugin, print, seen, Past(print, {}, 40));
   EXPECT_EQ(evidence(out, "fallback"), 4.0) << evidence(out, "agreeing");
@@ -244,7 +244,8 @@ TEST(GuidedMatcher, FollowsAMotionWithinTheRadiusAndFindsOneBeyond) {
 TEST(GuidedMatcher, LeavesAPosterThatLooksAlikeForTheSheet) {
   const Print print(11);
   Picture picture(12);
-  // Where the sheet was is a poster with a third of its print; the sheet itself has moved on.
+  // At the previous place of the surface is a poster with a third of its texture; the surface
+  // itself has moved on.
   picture.add(print, {.distance_m = 1.2, .x_m = 0.22});
   picture.add(print, {.distance_m = 1.2, .x_m = -0.2}, [](int i) { return i % 3 == 0; });
   const Keypoints seen = picture.keypoints();

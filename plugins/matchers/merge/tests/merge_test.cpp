@@ -20,7 +20,7 @@ using testing::Input;
 using testing::PluginAnswer;
 using testing::PluginUnderTest;
 
-/// A match by its places; the index tells matches apart in the output, as scale_ratio.
+/// A match by its places; the index distinguishes matches in the output, as scale_ratio.
 struct Match {
   double template_x, image_x;
   double index;

@@ -24,7 +24,7 @@ constexpr testing::PoseSpec kBefore{.distance_m = 0.55, .tilt_y_rad = 0.1};
 constexpr testing::PoseSpec kNow{
     .distance_m = 0.552, .x_m = 0.003, .tilt_y_rad = 0.12, .roll_rad = 0.02};
 
-/// A sheet that the solver of before has at `before_` and that is seen at `now_`.
+/// A surface that the previous shape has at `before_` and that is seen at `now_`.
 class Refine : public ::testing::Test {
  protected:
   Refine() { std::cout << "seed " << kSeed << "\n"; }
@@ -133,7 +133,7 @@ TEST_F(Refine, LeavesMatchesUnderAnArmWhereTheyAre) {
     const double off_px = (after.image_px.matrix<2>().row(i) - matches.true_px.row(i)).norm();
     if (!has_moved(after, matches.matches, i)) continue;
     ++moved;
-    EXPECT_LT(off_px, 2.0) << i;  // a patch at the arm's edge, of which half is seen
+    EXPECT_LT(off_px, 2.0) << i;  // a patch at the arm's edge, half of it visible
   }
   EXPECT_GT(covered, 30);
   EXPECT_LT(10 * moved, 3 * covered) << moved << " of " << covered;
@@ -177,15 +177,16 @@ TEST_F(Refine, SaysHowExactAMatchIs) {
   now_ = scene_.bent(0.33, {.distance_m = 0.55, .tilt_y_rad = 0.11});
   const LabelledMatches matches = drawn({.count = 400, .noise_px = 0.5});
   const Correspondences after = refined(scene_.image_of(now_, rng_), matches.matches);
-  std::vector<double> squares;  // in units of what is said
+  std::vector<double> squares;  // in units of the reported deviation
   for (std::int64_t i = 0; i < after.count(); ++i) {
     if (!has_moved(after, matches.matches, i)) continue;
     const Eigen::Vector2d off_px = after.image_px.matrix<2>().row(i) - matches.true_px.row(i);
     const Eigen::Map<const Eigen::Matrix2d> covariance(after.covariance_px2.row(i));
     squares.push_back(off_px.dot(covariance.inverse() * off_px));
   }
-  // Half of a chi square of two degrees of freedom lies below 1.39. What differs between patch and
-  // image is not only noise, so that a patch knows its place somewhat better than it says.
+  // Half of a chi square of two degrees of freedom lies below 1.39. The difference between patch
+  // and image is not only noise, so that the place of a patch is somewhat more accurate than
+  // reported.
   EXPECT_GT(median(squares), 0.1);
   EXPECT_LT(median(squares), 3.0);
 }

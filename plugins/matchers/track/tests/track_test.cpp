@@ -14,7 +14,7 @@
 namespace weft::track {
 namespace {
 
-/// A printed sheet that is followed.
+/// A textured surface for tracking.
 struct TrackScene : view::PrintedScene {
   testing::PluginAnswer track(testing::PluginUnderTest& plugin, const Image& image,
                               const Shape& before,
@@ -41,7 +41,7 @@ class TrackedSheet : public ::testing::Test {
  protected:
   TrackedSheet() { std::cout << "seed " << kSeed << "\n"; }
 
-  /// What is found of a sheet that stood at `before_` and is now at `now`.
+  /// The result for a surface that was at `before_` and is now at `now`.
   PluginAnswer follow(const DevelopableSheet& now, const std::string& params = "{}") {
     PluginUnderTest plugin("matchers/track", params);
     return scene_.track(plugin, scene_.image_of(now, rng_), scene_.shape_of(before_));
@@ -86,9 +86,9 @@ TEST_F(TrackedSheet, IsFollowedThroughATurnAndABendAtOnce) {
       0.25,
       {.distance_m = 0.53, .x_m = 0.01, .tilt_x_rad = 0.08, .tilt_y_rad = 0.2, .roll_rad = 0.08});
   const PluginAnswer outcome = follow(now);
-  // Parts that come into sight are missed by so much a turn.
+  // Parts that become visible are missed by this much a turn.
   ASSERT_EQ(outcome.status, WEFT_DEGENERATE);
-  EXPECT_THAT(outcome.message, HasSubstr("weak: the sheet turned, grew or sheared by "));
+  EXPECT_THAT(outcome.message, HasSubstr("weak: the surface turned, grew or sheared by "));
   const auto errors = scene_.errors_px(*outcome.get<Correspondences>(), now);
   EXPECT_GT(errors.size(), 120U);
   EXPECT_LT(mean(errors), 0.2);
@@ -191,7 +191,7 @@ TEST_F(TrackedSheet, IsAnsweredTheSameWithColours) {
   EXPECT_LT((a.image_px.matrix<2>() - b.image_px.matrix<2>()).cwiseAbs().maxCoeff(), 1e-3);
 }
 
-/// A smooth picture, displaced.
+/// A smooth image, displaced.
 view::ViewLevel waves(double dx, double dy) {
   view::ViewLevel level;
   level.grey.resize(64, 48);

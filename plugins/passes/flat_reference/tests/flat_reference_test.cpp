@@ -95,7 +95,7 @@ TEST_F(FlatReference, SearchesCellsWithContrastWhereNoWordsAreGiven) {
   templ.texture = print_of(left, kSeed);
   photograph(templ.texture);
   const Registration made = measured(mesh(3.0), "{cell_mm: 20}");
-  // Without those that hold a block or two, which the print repeats.
+  // Without those that hold a block or two, which the texture repeats.
   ASSERT_GT(made.count(), 15);
   int away_from_border = 0, found = 0;
   for (std::int64_t i = 0; i < made.count(); ++i) {
@@ -128,7 +128,7 @@ TEST_F(FlatReference, HasNoResultWhereTheTextureIsBlank) {
   EXPECT_THAT(grid.message, HasSubstr("no cell of the texture has contrast"));
   const auto listed = answer(mesh(), with_words());
   EXPECT_EQ(listed.status, WEFT_NO_RESULT);
-  EXPECT_THAT(listed.message, HasSubstr("another print"));
+  EXPECT_THAT(listed.message, HasSubstr("another texture"));
 }
 
 TEST_F(FlatReference, DoesNotSearchCellsOfALineWhichLookAlike) {
@@ -139,7 +139,7 @@ TEST_F(FlatReference, DoesNotSearchCellsOfALineWhichLookAlike) {
   photograph(templ.texture);
   const auto out = answer(mesh(), "{}");
   EXPECT_EQ(out.status, WEFT_NO_RESULT);
-  EXPECT_THAT(out.message, HasSubstr("a place that it can be told by"));
+  EXPECT_THAT(out.message, HasSubstr("is unique in its surroundings"));
 }
 
 TEST_F(FlatReference, NeedsTheTexelPitchForMillimetres) {

@@ -28,8 +28,8 @@ struct Box {
   int left, top, width, height;
 };
 
-/// A print that faces the camera at a distance where a texel is as large as a pixel: the image is
-/// the print with a border, and a mesh moved by one texel is 0.5 mm off exactly.
+/// A texture that faces the camera at a distance where a texel is as large as a pixel. The image is
+/// the texture with a border, and a mesh moved by one texel is 0.5 mm off exactly.
 class PrintScene : public ::testing::Test {
  protected:
   PrintScene()
@@ -86,7 +86,7 @@ class PrintScene : public ::testing::Test {
     }
   }
 
-  /// The true mesh, moved by so many texels.
+  /// The true mesh, moved by this many texels.
   Shape mesh(double right_px = 0.0, double down_px = 0.0) const {
     Shape shape;
     const auto flat_px = templ.flat_px.matrix<2>();

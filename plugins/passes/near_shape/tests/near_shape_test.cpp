@@ -22,7 +22,7 @@ using weft::testing::input;
 using weft::testing::PluginAnswer;
 using weft::testing::PluginUnderTest;
 
-/// A flat sheet of 10 x 6 vertices that faces the camera.
+/// A flat surface of 10 x 6 vertices that faces the camera.
 class NearShape : public ::testing::Test {
  protected:
   NearShape() {
@@ -66,7 +66,7 @@ class NearShape : public ::testing::Test {
     EXPECT_EQ(std::count(mask.data(), mask.data() + mask.size(), 1), mask.size());
   }
 
-  /// The box of the sheet's corners.
+  /// The box of the surface's corners.
   Eigen::AlignedBox2d box_px() const {
     Eigen::AlignedBox2d box;
     const weft::Points2 pixels = weft::project_points(weft::testing::pinhole(camera_), vertices_m_);

@@ -23,7 +23,7 @@ using weft::testing::PluginUnderTest;
 
 constexpr std::uint64_t kSeed = 20240917;
 
-/// A bent sheet, seen exactly: the warp samples are the projected vertices.
+/// A bent surface, seen exactly: the warp samples are the projected vertices.
 struct Scene {
   weft::Template templ = weft::testing::make_template();
   weft::Camera camera = weft::testing::make_camera();

@@ -9,7 +9,7 @@
 
 namespace weft::self_occlusion {
 
-/// Whether the segment from the camera to `slack_m` before the point meets a triangle (Moeller and
+/// True if the segment from the camera to `slack_m` before the point meets a triangle (Moeller and
 /// Trumbore, 1997), in double precision, with every triangle.
 inline bool is_hidden(const Points3View& vertices_m, const FacesView& faces,
                       const Eigen::Vector3d& point_m, double slack_m) {

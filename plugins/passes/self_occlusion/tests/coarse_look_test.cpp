@@ -20,7 +20,7 @@ using weft::testing::PluginUnderTest;
 
 constexpr std::uint64_t kFineSheetSeed = 20261125;
 
-/// A fine mesh of a flat sheet, of which the right fifth may be folded behind the rest.
+/// A fine mesh of a flat surface, whose right fifth may be folded behind the rest.
 struct FineSheet {
   weft::Template templ;
   weft::Camera camera = weft::testing::make_camera();
@@ -55,7 +55,7 @@ struct FineSheet {
     return answer.get<Visibility>().value();
   }
 
-  std::vector<std::unique_ptr<PluginUnderTest>> passes{};  ///< what they answered lives as long
+  std::vector<std::unique_ptr<PluginUnderTest>> passes{};  ///< their results live as long
 };
 
 TEST(CoarseLook, ConfirmsAFineMeshThatHasFewerMatchesThanVertices) {

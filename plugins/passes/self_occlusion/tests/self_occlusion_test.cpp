@@ -24,8 +24,8 @@ using weft::testing::PluginUnderTest;
 
 constexpr std::uint64_t kSeed = 20240918;
 
-/// A sheet of 10 x 6 vertices before the camera. Its two columns at the right can be folded behind
-/// it, flat and 2 cm away, where the camera cannot see them.
+/// A surface of 10 x 6 vertices in front of the camera. Its two columns at the right can be folded
+/// behind it, flat and 2 cm away, where they are invisible.
 class SelfOcclusion : public ::testing::Test {
  protected:
   static constexpr int kColumns = 10;
@@ -135,7 +135,7 @@ TEST_F(SelfOcclusion, ShowsAVertexAgainAboveTheUpperThreshold) {
 }
 
 TEST_F(SelfOcclusion, MatchesOverruleTheShape) {
-  // The picture shows a flat sheet, the shape that is looked at is folded.
+  // The image shows a flat surface, but the tested shape is folded.
   const Visibility visibility =
       look({input("shape", shape(folded_m_)), input("correspondences", matches(4000, flat_m_)),
             input("previous.visibility", uniform(false, 0.0))},
@@ -181,7 +181,7 @@ TEST_F(SelfOcclusion, DoubtsAVertexWhereMatchesAreMissing) {
 TEST_F(SelfOcclusion, LooksAtAFreshPreviousShapeThenAtTheWarpThenAtNothing) {
   weft::Shape before = shape(folded_m_);
   weft::WarpSamples samples;
-  // The picture is turned over where the sheet is folded.
+  // The image is turned over where the surface is folded.
   weft::Points2 warped_px = weft::project_points(weft::testing::pinhole(camera_), flat_m_);
   for (Eigen::Index v = 0; v < 60; ++v) {
     if (is_folded(v)) warped_px(v, 0) = 2.0 * warped_px(7, 0) - warped_px(v, 0);

@@ -12,7 +12,7 @@
 namespace weft::self_occlusion {
 namespace {
 
-/// A line across the view, from which squares are drawn 5 cm up and down.
+/// A line across the view, from which squares extend 5 cm up and down.
 struct Segment {
   double x0_m, z0_m, x1_m, z1_m;
 };

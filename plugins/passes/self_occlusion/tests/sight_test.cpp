@@ -30,8 +30,8 @@ Sight sight_of(const Mesh& mesh) {
               testing::make_camera(), *scene);
 }
 
-/// A sheet of `columns` x `rows` vertices rolled up: the arc runs from -turn/2 to turn/2 about a
-/// vertical axis at x = z = 0, 0.6 m before the camera, its middle next to the camera.
+/// A surface of `columns` x `rows` vertices rolled up. The arc runs from -turn/2 to turn/2 about a
+/// vertical axis at x = z = 0, 0.6 m in front of the camera, its middle next to the camera.
 Mesh rolled(int columns, int rows, double radius_m, double turn_rad, double height_m) {
   Mesh mesh{Points3(columns * rows, 3), *rectangular_grid_faces(columns, rows)};
   for (int j = 0; j < rows; ++j) {
@@ -168,7 +168,7 @@ TEST(Sight, TellsTheBackFromTheFrontAndEdgeOnFromBoth) {
     std::swap(mesh.faces(f, 1), mesh.faces(f, 2));
   }
   EXPECT_EQ(sight_of(mesh).reason[4], SightReason::faces_away);
-  // A sheet in a plane through the camera.
+  // A surface in a plane through the camera.
   for (int v = 0; v < 9; ++v)
     mesh.vertices_m.row(v) << 0.0, 0.05 * (v % 3 - 1), 0.5 + 0.05 * (v / 3);
   const Sight edge_on = sight_of(mesh);

@@ -73,7 +73,7 @@ std::string mesh_message(ShownFrame& shown, const LiveSetup& setup) {
   return text + "]}]}";
 }
 
-/// Of the picture that is sent, which may be smaller than the camera's.
+/// The camera of the sent image, which may be smaller than the original.
 std::string camera_message(ShownFrame& frame, const LiveSetup& setup) {
   const Camera& camera = setup.camera;
   const std::int64_t sent_px = setup.style.width_px;

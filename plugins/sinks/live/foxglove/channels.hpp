@@ -27,7 +27,7 @@ std::string server_info();
 std::string advertisement();
 /// `level` is 0 for information, 1 for a warning.
 std::string status(int level, const std::string& message);
-/// What stands before the JSON of a message.
+/// The bytes before the JSON of a message.
 std::string data_head(std::uint32_t subscription, std::uint64_t time_ns);
 
 }  // namespace weft::live::foxglove

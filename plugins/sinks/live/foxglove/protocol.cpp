@@ -19,7 +19,7 @@ using nlohmann::json;
 struct Subscription {
   std::uint32_t id;
   std::size_t channel;          ///< position
-  std::uint64_t frame_had = 0;  ///< of Hub::frame_count
+  std::uint64_t frame_had = 0;  ///< value of Hub::frame_count
 };
 
 class FoxgloveProtocol final : public Protocol {

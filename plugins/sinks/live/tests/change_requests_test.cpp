@@ -9,12 +9,12 @@ namespace {
 using ::testing::HasSubstr;
 
 std::string request_text(std::uint64_t number, const std::string& text) {
-  return json{{"type", "wish"}, {"number", number}, {"text", text}}.dump();
+  return json{{"type", "change_request"}, {"number", number}, {"text", text}}.dump();
 }
 
 class LiveChangeRequests : public LiveServer {
  protected:
-  /// As many as are asked for; a run asks again and again.
+  /// Waits for `count` requests; a run takes requests repeatedly.
   std::vector<ChangeRequest> taken(std::size_t count) {
     std::vector<ChangeRequest> all;
     wait_until([&] {
@@ -91,7 +91,7 @@ TEST_F(LiveChangeRequests, ForAPauseEndWhenTheLastClientThatMadeOneHasLeft) {
   run_channel_.answer({resume.number, 8, ""});
   EXPECT_EQ(watching.text(),
             json::parse(R"({"type":"pause","paused":false,"frame":8,"left":true})"));
-  // From then on nothing is paused, and who leaves resumes nothing.
+  // From then on nothing is paused, and a client that leaves resumes nothing.
   watching.say(request_text(1, "pause"));
   watching.say(request_text(2, "resume"));
   EXPECT_EQ(taken(2).size(), 2U);
@@ -134,7 +134,7 @@ TEST_F(LiveChangeRequests, BeyondThoseThatMayWaitAreRefusedAtOnce) {
   for (const std::uint64_t number : {64U, 65U}) {
     const json answer = viewer.text();
     EXPECT_EQ(answer["number"], number);
-    EXPECT_THAT(answer["refusal"].get<std::string>(), HasSubstr("64 wishes wait already"));
+    EXPECT_THAT(answer["refusal"].get<std::string>(), HasSubstr("64 change requests wait already"));
   }
   EXPECT_EQ(taken(64).size(), 64U);
   viewer.say(request_text(66, "step"));
@@ -153,7 +153,7 @@ TEST_F(LiveChangeRequests, OfClosedClientsAreNotAnswered) {
       return !requests.empty();
     });
   }
-  run_channel_.answer({999, 0, ""});  // that nobody asked
+  run_channel_.answer({999, 0, ""});  // that no client requested
   Viewer viewer(port_);
   EXPECT_EQ(viewer.text()["type"], "hello");
 }
@@ -163,7 +163,8 @@ TEST_F(LiveChangeRequests, BeyondThoseThatMayLackAnAnswerAreRefusedAtOnce) {
     ASSERT_EQ(run_channel_.ask(1, number, "set a.b=1"), "");
     ASSERT_EQ(run_channel_.take_change_requests().size(), 1U);
   }
-  EXPECT_THAT(run_channel_.ask(1, 256, "set a.b=1"), HasSubstr("256 wishes have no answer yet"));
+  EXPECT_THAT(run_channel_.ask(1, 256, "set a.b=1"),
+              HasSubstr("256 change requests have no answer yet"));
   EXPECT_TRUE(run_channel_.take_change_requests().empty());
   run_channel_.answer({1, 0, ""});
   EXPECT_EQ(run_channel_.take().answers.size(), 1U);

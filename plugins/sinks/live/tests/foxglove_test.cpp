@@ -42,7 +42,7 @@ class LiveFoxglove : public LiveServer {
     viewer.say(json{{"op", "subscribe"}, {"subscriptions", list}}.dump());
   }
 
-  /// Unknown operations are answered, so what was said before has been read.
+  /// Unknown operations are answered, so previous messages have been read.
   static void let_foxglove_read(Viewer& viewer) {
     viewer.say(R"({"op":"fetchAsset"})");
     EXPECT_EQ(viewer.text()["op"], "status");

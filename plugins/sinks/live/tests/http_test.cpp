@@ -98,7 +98,7 @@ TEST_F(LiveHttp, AsksForTheTokenButForCodeThatHoldsNoSecret) {
   start(kSecret);
   EXPECT_EQ(status_of(get("/")), "401");
   EXPECT_THAT(get("/"), HasSubstr("WWW-Authenticate: Bearer"));
-  EXPECT_THAT(content_of(get("/frames.jsonl")), HasSubstr("Say the token of this server"));
+  EXPECT_THAT(content_of(get("/frames.jsonl")), HasSubstr("Send the token of this server"));
   EXPECT_EQ(status_of(get("/nothing")), "401");
   EXPECT_EQ(status_of(get("/?token=wrong")), "401");
   EXPECT_EQ(status_of(get("/?token=" + std::string(kSecret))), "200");

@@ -20,7 +20,7 @@ namespace weft::live {
 
 using nlohmann::json;
 
-/// What the server answers to these bytes, until it closes.
+/// The response of the server to these bytes, until it closes.
 inline std::string answer_to(std::uint16_t port, const std::string& bytes) {
   asio::io_context context;
   beast::tcp_stream stream(context);
@@ -66,7 +66,7 @@ inline std::ptrdiff_t thread_count() {
 /// The server without a run: tests put in what a run would.
 class LiveServer : public ::testing::Test {
  protected:
-  /// Clients are told nothing of a run without frames, unless the limits say so.
+  /// The server does not notify clients of a run without frames, unless the limits require it.
   static Limits patient() {
     Limits limits;
     limits.still = kPatience;
@@ -95,13 +95,13 @@ class LiveServer : public ::testing::Test {
     return answer_to(port_, request_for(target, port_, more));
   }
 
-  /// Returns when the server has read all that the viewer has said so far.
+  /// Returns when the server has read all messages that the viewer has sent so far.
   void let_server_read(Viewer& viewer) {
-    viewer.say(R"({"type":"wish","number":0,"text":"step"})");
+    viewer.say(R"({"type":"change_request","number":0,"text":"step"})");
     wait_until([&] { return !run_channel_.take_change_requests().empty(); });
   }
 
-  /// Of four vertices, and of pixels without two alike where noise is asked for.
+  /// A frame of four vertices, and of pixels that all differ with `noise`.
   static FrameCopy frame(std::uint64_t number, int width_px = 40, int height_px = 30,
                          bool noise = false) {
     FrameCopy made;

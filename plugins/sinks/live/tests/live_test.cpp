@@ -163,9 +163,9 @@ TEST_F(LiveSink, RefusesWhenItRunsWhatItRefusesBefore) {
   const PluginAnswer refused = open(sink);
   EXPECT_EQ(refused.status, WEFT_ERROR);
   EXPECT_THAT(refused.message, HasSubstr("a token is needed"));
-  // Of a block that is kept for documentation: no machine has it.
+  // From a block that is reserved for documentation: no machine has it.
   PluginUnderTest elsewhere("sinks/live", "{address: '192.0.2.1:0', token: 0123456789abcdef}");
-  EXPECT_THAT(open(elsewhere).message, HasSubstr("choose one of its own"));
+  EXPECT_THAT(open(elsewhere).message, HasSubstr("choose one that it has"));
 }
 
 }  // namespace

@@ -7,12 +7,12 @@
 
 namespace weft::live {
 
-/// What a client sends: at first, and behind the first answer.
+/// The bytes that a client sends: at first, and after the first response.
 struct Malformed {
   std::string first, then;
 };
 
-/// Requests of which few are right.
+/// Requests, mostly malformed.
 class MalformedRequests {
  public:
   MalformedRequests(std::uint64_t seed, std::uint16_t port) : rng_(seed), port_(port) {}
@@ -45,13 +45,13 @@ class MalformedRequests {
                            any_of({"weft.live.1", "foxglove.websocket.v1"}) + "\r\n");
   }
 
-  /// What a client might say after the handshake, as frames with a mask of zeros.
+  /// Possible messages of a client after the handshake, as frames with a mask of zeros.
   std::string frames() {
     std::string all;
     for (std::uint32_t i = rng_.below(9); i > 0; --i) {
-      const std::string text =
-          any_of({R"({"type":"ready"})", R"({"type":"wish","number":1,"text":"step"})", "[[[[",
-                  R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":2}]})", "", "\xFF"});
+      const std::string text = any_of(
+          {R"({"type":"ready"})", R"({"type":"change_request","number":1,"text":"step"})", "[[[[",
+           R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":2}]})", "", "\xFF"});
       all += any_of({"\x81", "\x82", "\x88", "\x89", "\x01", std::string(1, '\0')});
       all += static_cast<char>(0x80U | static_cast<unsigned>(text.size()));
       all += std::string(4, '\0') + text;
@@ -99,7 +99,7 @@ class MalformedRequests {
   std::uint16_t port_;
 };
 
-/// Each number has an address of its own on this machine: one alone runs out of ports.
+/// Each number has a separate address on this machine, because one address alone runs out of ports.
 inline void send_malformed(std::uint16_t port, const Malformed& sent, std::uint64_t number) {
   asio::io_context context;
   tcp::socket socket(context, tcp::v4());
@@ -119,7 +119,7 @@ inline void send_malformed(std::uint16_t port, const Malformed& sent, std::uint6
 
 class LiveMalformed : public LiveServer {
  protected:
-  /// The server stays as it is, whatever it is sent, and lets go of all who sent it.
+  /// The server survives any bytes, and releases all clients that sent them.
   void survive(int count) {
     constexpr std::uint64_t kSeed = 20'251'127;
     SCOPED_TRACE("seed " + std::to_string(kSeed));

@@ -65,7 +65,7 @@ TEST(LiveMessages, GreetWithCameraTemplateAndSettings) {
       numbers_of<std::int32_t>(from_base64(hello["template"]["faces"].get<std::string>()));
   ASSERT_EQ(faces.size(), 6U);
   EXPECT_EQ(faces[5], templ.faces(1, 2));
-  // The sheet ends where its texture ends.
+  // The surface ends where its texture ends.
   const auto places = numbers_of<float>(from_base64(hello["template"]["uv"].get<std::string>()));
   ASSERT_EQ(places.size(), 8U);
   EXPECT_FLOAT_EQ(*std::min_element(places.begin(), places.end()), 0.0F);
@@ -117,7 +117,7 @@ TEST(LiveMessages, AnswerWithWordsOfAnyKind) {
 
 TEST(LiveMessages, OfClientsAreReadOrRefusedWithTheReason) {
   EXPECT_FALSE(parse_said(R"({"type":"ready"})")->is_change_request);
-  const auto request = parse_said(R"({"type":"wish","number":5,"text":"set a.b=1"})");
+  const auto request = parse_said(R"({"type":"change_request","number":5,"text":"set a.b=1"})");
   ASSERT_TRUE(request);
   EXPECT_TRUE(request->is_change_request);
   EXPECT_EQ(request->number, 5U);
@@ -129,12 +129,12 @@ TEST(LiveMessages, OfClientsAreReadOrRefusedWithTheReason) {
       {std::string(60'000, '['), "no JSON object"},
       {"{}", "without a type"},
       {R"({"type":5})", "without a type"},
-      {R"({"type":"stop"})", "of another type"},
-      {R"({"type":"wish","text":"pause"})", "without a number"},
-      {R"({"type":"wish","number":-1,"text":"pause"})", "without a number"},
-      {R"({"type":"wish","number":1.5,"text":"pause"})", "without a number"},
-      {R"({"type":"wish","number":1})", "without a text"},
-      {R"({"type":"wish","number":1,"text":"a\u0000b"})", "control character"}};
+      {R"({"type":"stop"})", "of another type than ready and change_request"},
+      {R"({"type":"change_request","text":"pause"})", "without a number"},
+      {R"({"type":"change_request","number":-1,"text":"pause"})", "without a number"},
+      {R"({"type":"change_request","number":1.5,"text":"pause"})", "without a number"},
+      {R"({"type":"change_request","number":1})", "without a text"},
+      {R"({"type":"change_request","number":1,"text":"a\u0000b"})", "control character"}};
   for (const auto& [text, why] : kWrong) {
     const auto said = parse_said(text);
     ASSERT_FALSE(said) << text;

@@ -92,7 +92,7 @@ class Viewer {
 
   bool is_open() const { return !handshake_; }
   const websocket::response_type& response() const { return response_; }
-  /// Of the last message that was read.
+  /// Error of the last message that was read.
   error_code error() const { return error_; }
   /// Why the server has closed.
   std::string reason() const {

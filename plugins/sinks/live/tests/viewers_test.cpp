@@ -52,7 +52,7 @@ TEST_F(LiveViewers, WaitForTheNextFrameWhereTheyHaveHadTheNewest) {
   run_channel_.put_frame(frame(1));
   EXPECT_EQ(viewer.frame().head["frame"], 1);
   viewer.ready();
-  viewer.ready();  // says no more than one of them
+  viewer.ready();  // two have the effect of one
   let_server_read(viewer);
   run_channel_.put_frame(frame(2));
   EXPECT_EQ(viewer.frame().head["frame"], 2);
@@ -83,7 +83,7 @@ TEST_F(LiveViewers, WhoComeLaterAreNotShownAFrameThatHasPassed) {
     EXPECT_EQ(first.frame().head["frame"], 1);
   }
   wait_until([&] { return !run_channel_.is_watched(); });
-  Viewer next(port_);  // of a run that pauses: its newest frame is still that one
+  Viewer next(port_);  // the run pauses: its newest frame is still that one
   next.text();
   next.ready();
   EXPECT_EQ(next.frame().head["frame"], 1);

@@ -40,7 +40,7 @@ struct ReadMesh {
   std::vector<std::string> comments;
 };
 
-/// Reads the one form of PLY that the sink writes, and nothing else.
+/// Reads only the one form of PLY that the sink writes.
 ReadMesh read_ply(const fs::path& path) {
   const std::string bytes = read_file(path);
   ReadMesh mesh;
@@ -164,7 +164,7 @@ TEST_F(MeshesSink, WritesObjFilesThatReadBackBitForBit) {
   const ReadMesh mesh = read_obj(meshes() / "000007.obj");
   expect_written(mesh);
   ASSERT_EQ(mesh.texture_uv.size(), 2 * weft::to_index(templ_.flat_px.rows()));
-  // The sheet fills its texture: its corners are the corners of the texture square.
+  // The surface fills its texture: its corners are the corners of the texture square.
   EXPECT_NEAR(mesh.texture_uv[0], 0.0, 1e-15);
   EXPECT_NEAR(mesh.texture_uv[1], 1.0, 1e-15);
   EXPECT_NEAR(mesh.texture_uv[mesh.texture_uv.size() - 2], 1.0, 1e-15);

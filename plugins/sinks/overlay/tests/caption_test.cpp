@@ -18,7 +18,7 @@ class CaptionOfAFrame : public ::testing::Test {
     in_.image->stem = "009";
   }
 
-  /// Matches of which the first `kept` are kept.
+  /// Matches, the first `kept` marked as kept.
   static Correspondences matches(std::int64_t count, std::int64_t kept) {
     Correspondences matches;
     matches.template_px = Array<double>({count, 2}, 0.0);
@@ -68,7 +68,7 @@ TEST_F(CaptionOfAFrame, WarnsOfAWeakShape) {
 TEST_F(CaptionOfAFrame, SaysHowOldAShapeIsAndWhatThereWasToGoBy) {
   give_shape(ShapeState::predicted, 1, 0.0);
   EXPECT_EQ(caption_of(in_).state, "predicted");
-  EXPECT_EQ(caption_of(in_).reason, "as it was 1 frame ago; no match was left to go by");
+  EXPECT_EQ(caption_of(in_).reason, "as it was 1 frame ago; no match was kept");
   give_shape(ShapeState::lost, 31, 0.0);
   in_.correspondences = matches(30, 12);
   EXPECT_EQ(caption_of(in_).state, "lost");
@@ -81,7 +81,7 @@ TEST_F(CaptionOfAFrame, SaysThatThereIsNoShape) {
   raw_.frame = 7;
   const Caption caption = caption_of(in_);
   EXPECT_EQ(caption.state, "no result");
-  EXPECT_EQ(caption.reason, "no match was left to go by");
+  EXPECT_EQ(caption.reason, "no match was kept");
   EXPECT_EQ(caption.place, "frame 7");
   EXPECT_EQ(caption.confidence, std::nullopt);
 }
@@ -108,7 +108,7 @@ TEST(Caption, MarksTheConfidenceOnItsScale) {
 }
 
 TEST(ConfidenceColour, IsDistinguishableWithoutRedAndGreen) {
-  // The amount of blue alone tells it.
+  // The amount of blue alone shows it.
   double before = -1.0;
   for (double confidence = 0.0; confidence <= 1.0; confidence += 0.125) {
     const double blue = colour_of_confidence(confidence)[0];

@@ -121,7 +121,7 @@ TEST_F(OverlaySink, LeavesEveryFinishedFrameInAnAviWhenTheRunIsKilled) {
   auto plugin = sink();
   ASSERT_EQ(open(plugin).status, WEFT_OK);
   for (int i = 0; i < 6; ++i) {
-    // What is on the disk now is what a killed process leaves behind.
+    // The file on the disk now is the one that a killed process leaves behind.
     fs::copy_file(folder_ / "view.avi", folder_ / "killed.avi",
                   fs::copy_options::overwrite_existing);
     EXPECT_EQ(frames_in(folder_ / "killed.avi"), i);

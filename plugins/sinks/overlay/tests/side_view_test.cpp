@@ -99,7 +99,7 @@ TEST(DrawnEdges, AreAllButThoseThatHalveARectangle) {
     const auto drawn = drawn_edges(sheet.vertices_m.matrix<3>(), *topology);
     return std::count(drawn.begin(), drawn.end(), 1);
   };
-  EXPECT_EQ(lines(), 7);  // of two cells; 9 with their diagonals
+  EXPECT_EQ(lines(), 7);  // edges of two cells; 9 with their diagonals
   for (std::int64_t v = 0; v < 3; ++v) sheet.vertices_m(v, 0) += 0.01;  // the upper row
   EXPECT_EQ(lines(), 9);
 }

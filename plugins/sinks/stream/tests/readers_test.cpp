@@ -74,7 +74,7 @@ class StreamReaders : public StreamSink {
   std::string port_ = free_port();
   std::string to_ = "tcp://127.0.0.1:" + port_;
 
-  /// What the example of the documentation prints of three frames that the sink sends to it.
+  /// The output of the documentation's example for three frames that the sink sends to it.
   std::string read_by_the_example(PluginUnderTest& sink, const std::string& source) const {
     const std::string command = std::string("python3 '") + WEFT_POINTS_READER + "' '" + source +
                                 "' --frames 3 > '" + path("printed") + "' 2>&1";
@@ -106,7 +106,7 @@ TEST_F(StreamReaders, AllGetTheFramesInTheirOrder) {
   ASSERT_EQ(open(sink).status, WEFT_OK);
   ASSERT_EQ(write(sink, 0).status, WEFT_OK);
   Connection first(port_);
-  // Whoever comes is given the newest frame at once.
+  // A new client receives the newest frame at once.
   EXPECT_THAT(first.line(), StartsWith("{\"frame\":0,"));
   Connection second(port_);
   EXPECT_THAT(second.line(), StartsWith("{\"frame\":0,"));

@@ -45,13 +45,13 @@ TEST_F(StreamSink, LeavesTheCovarianceOutWhenAsked) {
 }
 
 TEST_F(StreamSink, NamesWhatIsWrongWithItsDestination) {
-  expect_refused("{}", "says neither 'to' nor 'path'");
-  expect_refused("{to: 'tcp://127.0.0.1:5005', path: points}", "says both 'to' and 'path'");
+  expect_refused("{}", "has neither 'to' nor 'path'");
+  expect_refused("{to: 'tcp://127.0.0.1:5005', path: points}", "has both 'to' and 'path'");
   expect_refused("{to: stdout}", "and 'path' for a file, a named pipe or /dev/stdout");
   std::ofstream(path("file")) << "a file where a folder is needed";
   expect_refused("{path: '" + path("file/points") + "'}", "choose another 'path'");
-  // Of a block that is kept for documentation: no machine has it.
-  expect_refused("{to: 'tcp://192.0.2.1:5005'}", "choose one of its own");
+  // From a block that is reserved for documentation: no machine has it.
+  expect_refused("{to: 'tcp://192.0.2.1:5005'}", "choose one that it has");
 }
 
 TEST_F(StreamSink, RefusesAShapeThatIsNoShapeOfThisTemplate) {
@@ -86,7 +86,7 @@ TEST_F(StreamSink, WritesAllFramesToAPipeAndReportsABrokenPipe) {
   // The signal that a write into it makes would end this test.
   const PluginAnswer alone = write(sink, 1);
   EXPECT_EQ(alone.status, WEFT_ERROR);
-  EXPECT_THAT(alone.message, HasSubstr("nobody reads " + path("pipe") + " any more"));
+  EXPECT_THAT(alone.message, HasSubstr("no component reads " + path("pipe") + " any more"));
   // A reader that comes back would begin in the middle of a message.
   const int late = ::open(path("pipe").c_str(), O_RDONLY | O_NONBLOCK);
   EXPECT_EQ(write(sink, 2).status, WEFT_ERROR);

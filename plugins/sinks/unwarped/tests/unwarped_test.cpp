@@ -31,8 +31,8 @@ constexpr int kWidthPx = 60, kHeightPx = 40, kBorderPx = 10;
 constexpr double kM_per_px = 5e-4;
 constexpr std::uint64_t kSeed = 20261129;
 
-/// A print that faces the camera at a distance where a texel is as large as a pixel: the image is
-/// the print with a border of white.
+/// A texture that faces the camera at a distance where a texel is as large as a pixel: the image is
+/// the texture with a border of white.
 class Unwarped : public ::testing::Test {
  protected:
   Unwarped()

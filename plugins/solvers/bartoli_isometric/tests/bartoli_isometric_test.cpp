@@ -23,7 +23,7 @@ namespace {
 constexpr const char* kId = "solvers/bartoli_isometric";
 using Scene = solvers::SceneOf<kId>;
 
-// 2 % of 0.6 m, over the whole sheet with its border; the interior is better.
+// 2 % of 0.6 m, over the whole surface with its border; the interior is better.
 TEST(BartoliIsometric, FindsBentSheetsWithinTwoPercentOfTheDistance) {
   for (const double noise_px : {0.0, 0.5}) {
     for (const double radius_m : {1e3, 0.25, -0.25, 0.15}) {

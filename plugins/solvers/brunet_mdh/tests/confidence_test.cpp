@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kMatchSeed = 20261121;
 
-/// Correct matches with noise of half a pixel, moved aside.
+/// Inliers with noise of half a pixel, moved aside.
 Correspondences matches_of(const Scene& scene, int count, double off_px) {
   std::cout << "seed " << kMatchSeed << "\n";
   Rng rng(kMatchSeed);

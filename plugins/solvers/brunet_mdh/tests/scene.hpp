@@ -7,7 +7,7 @@ namespace weft::brunet_mdh {
 
 using solvers::reference_sheet;
 
-/// The reference sheet seen by the usual camera.
+/// The reference surface seen by the usual camera.
 struct Scene : solvers::SightlineScene {
   explicit Scene(double radius_m = 1e9, testing::PoseSpec pose = {0.6})
       : SightlineScene(radius_m, pose, testing::make_camera()) {}

@@ -62,7 +62,7 @@ double jacobian_error(const ControlCost& cost, const Control& control) {
   return (analytic - numeric).cwiseAbs().maxCoeff() / analytic.cwiseAbs().maxCoeff();
 }
 
-/// Control points 0.03 m apart at 0.6 m, moved at random.
+/// Control points at distances of 0.03 m and 0.6 m away, moved at random.
 Control restless_control(Rng& rng) {
   Control control;
   for (int k = 0; k < 16; ++k) {
@@ -213,7 +213,7 @@ TEST(MetricPlaces, KeepOffHolesOfTheMesh) {
   const auto places = metric_places(templ, domain_around(templ, 7), 4);
   ASSERT_TRUE(places);
   EXPECT_GT(places->size(), 100U);
-  EXPECT_LT(places->size(), 160U);  // of 256
+  EXPECT_LT(places->size(), 160U);  // 256 at most
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ double mean_error_m(const Scene& scene, const PluginAnswer& out, bool is_scaled 
   return (scale * found_m - scene.truth_m).rowwise().norm().mean();
 }
 
-// 2 % of 0.6 m, over the whole sheet with its border; the interior is better.
+// 2 % of 0.6 m, over the whole surface with its border; the interior is better.
 TEST(ChhatkuliStable, FindsBentSheetsWithinTwoPercentOfTheDistance) {
   for (const double noise_px : {0.0, 0.5}) {
     for (const double radius_m : {1e3, 0.25, -0.25, 0.15}) {

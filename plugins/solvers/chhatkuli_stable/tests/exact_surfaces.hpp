@@ -39,8 +39,8 @@ inline Surface cylinder(double curvature_per_m) {
   };
 }
 
-/// The sheet rolled to a cone whose apex is 0.4 m above its middle and whose axis is away from the
-/// camera.
+/// The surface rolled to a cone whose apex is 0.4 m above its middle and whose axis is away from
+/// the camera.
 inline Surface cone(double half_angle_rad) {
   return [=](double u_px, double v_px) {
     const double x = kPitch * (u_px - kWidthPx / 2), y = 0.4 + kPitch * (v_px - kHeightPx / 2);
@@ -64,7 +64,7 @@ inline Eigen::Isometry3d pose_of(double distance_m, double tilt_rad) {
   return pose;
 }
 
-/// What an exact warp says on a grid, and the points that it is from, [n,3] m.
+/// The reading of an exact warp on a grid, and the points that it is from, [n,3] m.
 struct ExactReading {
   std::vector<solvers::WarpPlace> places;
   Points3 truth_m;

@@ -33,7 +33,7 @@ testing::SheetSpec sheet_of(int columns, int rows) {
   return spec;
 }
 
-/// A fine mesh of a bent sheet, its exact shape and what is seen of it.
+/// A fine mesh of a bent surface, its exact shape and its observations.
 struct Scene {
   Template templ;
   Camera camera = testing::make_camera();

@@ -13,7 +13,7 @@
 namespace weft::coarse_to_fine {
 namespace {
 
-/// Fine vertices of a sheet, and its thinned mesh with a prolongation.
+/// Fine vertices of a surface, and its thinned mesh with a prolongation.
 struct Carried {
   Template templ;
   coarse_mesh::CoarseMesh coarse;

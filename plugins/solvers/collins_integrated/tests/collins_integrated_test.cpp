@@ -63,7 +63,7 @@ TEST(CollinsIntegrated, FollowsByTheTextureAlone) {
             << frame.mean_error_mm(frame.previous, frame.now) << " mm\n";
   EXPECT_LT(frame.mean_error_mm(given(out), frame.now), 0.8);
   EXPECT_EQ(given(out).shape_state(), ShapeState::estimated);
-  // Where matches are wired, their absence is told.
+  // Where matches are wired, their absence is reported.
   const Correspondences few = frame.matches({3, 1.0, 0.0});
   const PluginAnswer doubted = frame.solve(plugin, frame.image, &few, &frame.previous);
   EXPECT_EQ(doubted.status, WEFT_DEGENERATE);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint64_t kShapeSeed = 16;
 
-/// A sheet that is bent at rest, and one that is neither as it is seen nor as long as that.
+/// A surface that is bent at rest, and one that contradicts both the observations and the lengths.
 struct Crumpled {
   Template templ = testing::make_template();
   MeshModel mesh;

@@ -10,7 +10,7 @@
 
 namespace weft::collins_integrated {
 
-/// A sheet, what it was before and what is seen of it.
+/// A surface, its shape in the previous frame and its observations.
 struct Frame : PrintedScene {
   testing::PoseSpec pose{.distance_m = 0.55, .tilt_y_rad = 0.25};
   Rng rng{kSeed};

@@ -15,7 +15,7 @@
 namespace weft::collins_integrated {
 namespace {
 
-/// A sheet, an image of it and its samples, which stay as they were drawn.
+/// A surface, an image of it and its samples, which stay as they were generated.
 struct Drawn {
   PrintedScene scene;
   DevelopableSheet truth = scene.bent(0.3, {.distance_m = 0.55, .tilt_y_rad = 0.2});

@@ -17,13 +17,14 @@ namespace weft::collins_integrated {
 inline constexpr const char* kId = "solvers/collins_integrated";
 inline constexpr std::uint64_t kSeed = 20150929;
 
-/// A printed sheet of 297 x 178 mm before a camera, drawn by formula, with exact truth.
+/// A textured surface of 297 x 178 mm in front of a camera, rendered by formula, with exact ground
+/// truth.
 struct PrintedScene {
   testing::SheetSpec sheet{.columns = 13, .rows = 9, .width_px = 900, .height_px = 539};
   Camera camera = testing::make_camera();
   Template templ = printed(5);
 
-  /// Blots of many sizes: a print without repetition.
+  /// Blots of many sizes: a texture without repetition.
   Template printed(std::uint64_t seed) const {
     Template made = testing::make_template(sheet);
     made.revision = 11 + seed;
@@ -53,7 +54,7 @@ struct PrintedScene {
     return testing::make_cylinder(sheet, radius_m, 0.4, pose);
   }
 
-  /// Each texel is spread over the four pixels around its place: the sheet is seen at about half
+  /// Each texel is spread over the four pixels around its place: the surface is seen at about half
   /// the size of its texture. Noise of 1.5 grey levels.
   Image image_of(const DevelopableSheet& bent_sheet, Rng& rng) const {
     const std::int64_t width = camera.width_px, height = camera.height_px;

@@ -16,9 +16,9 @@ constexpr float kNowhere = -2.0F;       // a score that no correlation has
 constexpr float kPricePerPx = 0.01F;    // correlation that a pixel farther must gain
 constexpr float kLeastContrast = 3.0F;  // grey levels, standard deviation of a patch
 constexpr float kLeastInImage = 1.0F;   // the same of what is compared with it
-constexpr double kFlattestView = 0.15;  // of the two sides of a texel in the image, about
+constexpr double kFlattestView = 0.15;  // ratio of the two sides of a texel in the image, about
 
-/// At the border of the picture that of the border.
+/// Beyond the border of the image, the value of the border.
 float clamped_at(const Picture& picture, const Eigen::Vector2f& place) {
   const float right = static_cast<float>(picture.width) - 1.001F;
   const float bottom = static_cast<float>(picture.height) - 1.001F;
@@ -59,7 +59,7 @@ bool LineSearch::project(const Pinhole& camera, const Points3& vertices_m, const
   Eigen::Matrix<double, 3, 2> sides_m;
   sides_m << b - a, c - a;
   const double near = 1.0 / point.z(), x = point.x() * near, y = point.y() * near;
-  Eigen::Matrix<double, 2, 3> slopes;  // of the pixel, px/m
+  Eigen::Matrix<double, 2, 3> slopes;  // derivative of the pixel, px/m
   slopes << camera.fx * near, 0.0, -camera.fx * near * x, 0.0, camera.fy * near,
       -camera.fy * near * y;
   const double level_scale = 1.0 / static_cast<double>(1 << level);
@@ -82,7 +82,7 @@ bool LineSearch::project(const Pinhole& camera, const Points3& vertices_m, const
   return true;
 }
 
-/// Whether the corners of a patch belong to the object.
+/// True if the corners of a patch belong to the object.
 bool LineSearch::is_object(const LocalView& view) const {
   for (const float j : {-1.0F, 1.0F}) {
     for (const float i : {-1.0F, 1.0F}) {

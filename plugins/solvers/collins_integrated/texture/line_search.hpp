@@ -14,7 +14,7 @@
 
 namespace weft::collins_integrated {
 
-/// What came of a look at a sample.
+/// The result of a search at a sample.
 enum class Look : std::uint8_t {
   hidden,   ///< its face shows its back, is seen from the side or is behind the camera
   outside,  ///< its patch reaches beyond the image or the object
@@ -39,17 +39,17 @@ struct LineSearchOptions {
 };
 
 /// Looks for pieces of the texture near where a shape has them. The patch, of 7 x 7 pixels, is
-/// drawn as the camera would see it by the affine map of its face at the sample, with one axis
+/// rendered as the camera would see it, by the affine map of its face at the sample. One axis is
 /// along the normal n of the edge: the direction in which the grey levels change most. Along n the
-/// image is searched for the largest zero-mean normalised correlation (ZNCC); what a pixel farther
-/// away resembles must do so better by 0.01. A parabola through it and its neighbours tells
-/// fractions. Across n an edge says nothing, so that what is known of the point X is n . (pi(X) -
-/// seen).
+/// method searches the image for the largest zero-mean normalised correlation (ZNCC). A pixel
+/// farther away must correlate better by 0.01. A parabola through the best pixel and its neighbours
+/// gives the fraction of a pixel. An edge has no information across n, so the residual for the
+/// point X is n . (pi(X) - seen).
 class LineSearch {
  public:
   static constexpr int kSide = 7, kSize = kSide * kSide, kMostReach = 12;
 
-  /// What is the same in all frames. The texture pyramid must outlive it.
+  /// Loads the data that are the same in all frames. The texture pyramid must outlive it.
   void load(const Template& templ, const Pyramid& texture);
 
   /// `vertices_m` [V,3] m, camera frame.
@@ -63,7 +63,7 @@ class LineSearch {
     Eigen::Vector2f texel = Eigen::Vector2f::Zero();          ///< [2] px of `texture`
     Eigen::Matrix2f texels_per_px = Eigen::Matrix2f::Zero();  ///< [2,2]
     const Picture* texture = nullptr;
-    double scale = 1.0;  ///< of `texture` to the template's
+    double scale = 1.0;  ///< from `texture` to the template's
   };
   using Patch = std::array<float, kSize>;
 
@@ -79,8 +79,9 @@ class LineSearch {
   Faces faces_;
   std::vector<Eigen::Matrix2d> from_flat_;  ///< [F] inverse of the sides in the texture, 1/px
   Array<std::uint8_t> mask_;                ///< a copy
-  Patch patch_{};                           ///< of the sample: mean 0, norm 1
-  std::array<float, kSide*(kSide + 2 * kMostReach)> strip_{};  ///< of the image, rows along n
+  Patch patch_{};                           ///< pixels of the sample: mean 0, norm 1
+  std::array<float, kSide*(kSide + 2 * kMostReach)> strip_{};  ///< pixels of the image, rows along
+                                                               ///< n
   std::array<float, 2 * kMostReach + 1> scores_{};  ///< ZNCC by shift; -2 beyond the image
 };
 

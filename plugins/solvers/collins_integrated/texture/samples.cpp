@@ -47,7 +47,7 @@ bool belongs(const Template& templ, const FaceLocator& locator, const Eigen::Vec
   return templ.mask(v, u) != 0 && locator.locate(texel).inside;
 }
 
-/// Asked at the corners and the middles of the sides of a square, and at its centre.
+/// Checks the corners and the middles of the sides of a square, and its centre.
 bool all_belongs(const Template& templ, const FaceLocator& locator, int x, int y, double scale) {
   for (int j = -kMargin; j <= kMargin; j += kMargin) {
     for (int i = -kMargin; i <= kMargin; i += kMargin) {

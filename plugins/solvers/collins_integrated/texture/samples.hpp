@@ -23,10 +23,10 @@ struct Sample {
   Eigen::Vector3d weights = Eigen::Vector3d::Zero();      ///< [3] in that face, sum 1
 };
 
-/// One sample for each of about `most` square cells of the mesh in the texture: where the grey
-/// levels are steepest, at the size at which a camera sees a sheet that fills 0.7 of its image.
-/// Cells without an edge of 3 grey levels a px have none; around a sample 4 px belong to the
-/// object. Fails on what is wrong with the mesh.
+/// One sample for each of about `most` square cells of the mesh in the texture. It is where the
+/// grey levels are steepest, at the size at which a camera sees a surface that fills 0.7 of its
+/// image. Cells without an edge of 3 grey levels a px have none; around a sample 4 px belong to the
+/// object. Fails on an invalid mesh.
 Result<void> choose_samples(const Template& templ, const Pyramid& texture, const Camera& camera,
                             int most, std::vector<Sample>& samples);
 

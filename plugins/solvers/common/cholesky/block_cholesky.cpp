@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMiB = 1024.0 * 1024.0, kMostBytes = 1024.0 * kMiB;
 
-/// Of each vertex, those that it is coupled to.
+/// For each vertex, the vertices that it is coupled to.
 IndexLists coupled_lists(const BlockCholesky::Pairs& pairs, Eigen::Index vertex_count) {
   Edges edges(static_cast<Eigen::Index>(pairs.size()), 2);
   for (std::size_t p = 0; p < pairs.size(); ++p) {
@@ -125,7 +125,7 @@ std::size_t BlockCholesky::row_in(const Front& front, std::size_t row) const {
 }
 
 void BlockCholesky::place_blocks(const EliminationTree& tree, const Pairs& pairs) {
-  std::vector<std::size_t> front_of(tree.place.size());  // of each place
+  std::vector<std::size_t> front_of(tree.place.size());  // front of each place
   for (std::size_t f = 0; f < fronts_.size(); ++f) {
     const auto first = front_of.begin() + static_cast<std::ptrdiff_t>(fronts_[f].first / 3);
     std::fill_n(first, fronts_[f].own / 3, f);

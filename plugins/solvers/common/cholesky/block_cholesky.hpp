@@ -24,9 +24,9 @@ struct BlockMatrix {
   double mean_diagonal() const;
 };
 
-/// The Cholesky factor of a BlockMatrix, by fronts (Duff and Reid, ACM TOMS 9, 1983): each node of
-/// the elimination tree is a dense panel of its own columns, and leaves an update to its parent.
-/// Structure and memory are settled once for a mesh; all else allocates nothing.
+/// The Cholesky factor of a BlockMatrix, by fronts (Duff and Reid, ACM TOMS 9, 1983). Each node of
+/// the elimination tree is a dense panel of the node's columns, and passes an update to its parent.
+/// Structure and memory are set up once for a mesh; no other call allocates.
 class BlockCholesky {
  public:
   using Pairs = std::vector<std::array<std::int32_t, 2>>;
@@ -56,7 +56,7 @@ class BlockCholesky {
     std::size_t panel = 0;    ///< in panels_: [own + border, own]
     std::size_t update = 0;   ///< in updates_: [border, border] where it is made ...
     std::size_t kept = 0;     ///< ... and where it waits for the parent
-    std::size_t places = 0;   ///< of its border, in border_rows_ and in_parent_
+    std::size_t places = 0;   ///< number of places of its border, in border_rows_ and in_parent_
     std::size_t inverse = 0;  ///< in inverses_: [own + border, own + border]
     std::int32_t parent = -1, last_child = -1, previous_sibling = -1;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is done with the factor: solutions, and the blocks of the inverse.
+// Uses the factor for solutions and for the blocks of the inverse.
 #include <algorithm>
 #include <cstring>
 #include <weft/core/index.hpp>
@@ -70,7 +70,7 @@ void BlockCholesky::inverse_blocks(std::vector<Eigen::Matrix3d>& blocks) {
   }
 }
 
-/// Of the parent's inverse, what the border of a front is.
+/// Gathers the part of the parent's inverse that is the border of a front.
 void BlockCholesky::gather_border(const Front& front, const Panel& border) const {
   if (front.border == 0) return;
   const Front& above = fronts_[to_index(front.parent)];

@@ -10,7 +10,7 @@
 namespace weft::solvers {
 
 /// The pairs of vertices that share a block of a matrix, the smaller index first, numbered in the
-/// order in which they were asked for.
+/// order in which they were requested.
 class Couplings {
  public:
   using Pairs = std::vector<std::array<std::int32_t, 2>>;

@@ -5,7 +5,7 @@
 
 namespace weft::solvers {
 
-/// Columns that a product makes at once, and rows in whole bundles of which it does.
+/// A product computes kTileColumns columns at once, and rows in multiples of kTileRows.
 inline constexpr std::size_t kTileColumns = 4, kTileRows = 8;
 
 inline constexpr std::size_t rounded_up(std::size_t count, std::size_t bundle) {
@@ -35,8 +35,8 @@ void scale(double* column, std::size_t count, double factor);
 void subtract_multiple(double* column, const double* other, std::size_t count, double factor);
 
 /// Replaces the lower half of the first `columns` columns of a panel [rows, columns] by those of
-/// its Cholesky factor; false where a pivot is not positive. There must be memory for the columns
-/// rounded up to 4, and for 7 more rows, of which those in the columns are 0.
+/// its Cholesky factor. Returns false where a pivot is not positive. The panel must have memory for
+/// the columns rounded up to 4, and for 7 more rows, which are 0 in the columns.
 bool factorise_columns(const Panel& panel, std::size_t rows, std::size_t columns);
 
 }  // namespace weft::solvers

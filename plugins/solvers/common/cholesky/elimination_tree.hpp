@@ -19,12 +19,12 @@ struct EliminationNode {
 /// In what order the vertices are eliminated.
 struct EliminationTree {
   std::vector<std::int32_t> place;     ///< [V] of each vertex in the order
-  std::vector<EliminationNode> nodes;  ///< in their order: a subtree stands before its parent
+  std::vector<EliminationNode> nodes;  ///< in their order: a subtree precedes its parent
 };
 
-/// Nested dissection (George, SIAM Journal on Numerical Analysis 10, 1973): a part of the mesh is
-/// halved across its longest side, and the vertices of one half that are coupled to the other come
-/// last. `coupled` lists of each vertex all that it shares a block of the matrix with. The order
+/// Nested dissection (George, SIAM Journal on Numerical Analysis 10, 1973) halves a part of the
+/// mesh across its longest side. The vertices of one half that are coupled to the other come last.
+/// `coupled` lists for each vertex all vertices that share a block of the matrix with it. The order
 /// depends on the arguments alone.
 EliminationTree nested_dissection(const Points3View& rest_m, const IndexLists& coupled);
 

@@ -10,7 +10,7 @@
 namespace weft::solvers {
 namespace {
 
-/// Of the mean of the diagonal: holds vertices that nothing else does.
+/// Share of the mean of the diagonal: holds vertices without any other constraint.
 constexpr double kDamping = 1e-14;
 
 Eigen::Vector3d point_of(const MatchRows& seen, const Points3& vertices) {
@@ -153,8 +153,8 @@ void Barrier::correct(std::size_t count, Points3& solved) const {
   }
 }
 
-/// The Hessian is B - kappa g g^T, g = M^T M X, with one such part for each norm and B of the
-/// structure of the mesh and the prior, so that its inverse follows from that of B.
+/// The Hessian is B - kappa g g^T with g = M^T M X: one such part for each norm. B has the
+/// structure of the mesh and the prior, so that the inverse of the Hessian follows from that of B.
 double Barrier::newton_step(const Points3& vertices, double tau, Points3& step) {
   worked(static_cast<std::int64_t>(20 * program_.observations.size() + 20 * program_.edges.size() +
                                    100 * to_index(vertices.rows())));

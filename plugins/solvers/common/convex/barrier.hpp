@@ -43,7 +43,8 @@ struct ConvexProgram {
 /// Nemirovskii 1994; Boyd and Vandenberghe, Convex Optimization, 2004, 11.6).
 class Barrier {
  public:
-  /// `analysed` has the structure of the mesh and of the prior: so many pairs, the edges first.
+  /// `analysed` has the structure of the mesh and of the prior: `pair_count` pairs, the edges
+  /// first.
   Barrier(const ConvexProgram& program, BlockCholesky& analysed, std::size_t pair_count);
 
   /// Infinite where an edge is as long as it may be.
@@ -66,7 +67,8 @@ class Barrier {
   std::vector<double> tensions(const Points3& vertices, double tau) const;
 
  private:
-  /// What a norm takes from the Hessian, kappa g g^T, and H^-1 g with what came before.
+  /// The term kappa g g^T that a norm subtracts from the Hessian, and H^-1 g with the previous
+  /// terms.
   struct Downdate {
     double kappa = 0.0, left = 1.0;  ///< [] left: 1 - kappa g.H^-1 g
     Points3 gathered, moved;         ///< [V,3] g, H^-1 g

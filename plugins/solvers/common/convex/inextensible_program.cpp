@@ -14,14 +14,14 @@
 namespace weft::solvers {
 namespace {
 
-constexpr double kMostPull = 0.5;        // of a translation, where 1 is without end
+constexpr double kMostPull = 0.5;        // pull on a translation; 1 would move it without end
 constexpr double kSharper = 20.0;        // from one point of the central path to the next
 constexpr double kNear = 1e-3;           // squared Newton decrement there
 constexpr double kNearest = 1e-8;        // and at the last one
 constexpr double kRounding = 0.5;        // less is gained there by no step but for rounding
 constexpr double kQuadratic = 0.05;      // below, a full step converges quadratically
-constexpr double kInside = 0.98;         // of the way to the nearest limit
-constexpr double kLeastDecrease = 0.01;  // of what the slope promises
+constexpr double kInside = 0.98;         // share of the way to the nearest limit
+constexpr double kLeastDecrease = 0.01;  // share of the decrease that the slope predicts
 constexpr int kMostHalvings = 40;
 constexpr double kSamePlace = 1e-12;  // least over largest eigenvalue of coinciding rays
 

@@ -27,28 +27,29 @@ struct ProgramResult {
   Points3 vertices_m;            ///< [V,3] m, camera frame
   std::vector<double> tensions;  ///< [E] multiplier of each distance: objective gained per length
   double objective_m = 0.0;      ///< [] m, divided by the weights as below
-  double gap_m = 0.0;            ///< [] m, at most so much below the optimum
+  double gap_m = 0.0;            ///< [] m, upper bound of the distance to the optimum
   double depth_weight_px = 0.0;  ///< [] px, lowered where the program had no bounded solution
   double prior_rms = 0.0;        ///< [] of the rows of L X
   int iterations = 0;            ///< [] Newton steps
   bool converged = false;
 };
 
-/// Where points p_i = sum_k b_ik X_k of a mesh are seen along the unit rays s_i,
-///   max  d sum_i w_i s_i . p_i - |diag(w) M X| - lambda |L X|
-///   subject to  |X_a - X_b| <= l_ab  for all edges,
-/// M X = 0 the reprojection_rows() in px m: as far as the image and the lengths at rest allow
-/// (Salzmann and Fua, Reconstructing sharply folding surfaces: a convex formulation, CVPR 2009).
-/// L is a prior of smooth surfaces (the same, Linear local models for monocular reconstruction of
-/// deformable surfaces, TPAMI 33(5), 2011). With the prior's weight p in px, D the distance of a
-/// frontal sheet and 3 k rows of L, lambda = p D sqrt(2 sum_i w_i^2 / (3 k)): an rms of one over
-/// its rows costs what an rms error of p px over the image costs.
-/// The objective is told divided by d sum_i w_i: a mean distance less what the image pays.
+/// Where the unit rays s_i show points p_i = sum_k b_ik X_k of a mesh, the program is
+///     max  d sum_i w_i s_i . p_i - |diag(w) M X| - lambda |L X|
+///     subject to  |X_a - X_b| <= l_ab  for all edges,
+/// with M X = 0 the reprojection_rows() in px m. The surface is as far as the image and the lengths
+/// at rest allow (Salzmann and Fua, Reconstructing sharply folding surfaces: a convex formulation,
+/// CVPR 2009). L is a prior of smooth surfaces (the same, Linear local models for monocular
+/// reconstruction of deformable surfaces, TPAMI 33(5), 2011). The prior has the weight p in px, D
+/// is the distance of a frontal surface, and L has 3 k rows. Then lambda = p D sqrt(2 sum_i w_i^2 /
+/// (3 k)). An rms of one over the rows therefore costs as much as an rms error of p px over the
+/// image. The reported objective is divided by d sum_i w_i: a mean distance minus the costs of the
+/// image.
 ///
-/// The optimum is found by Newton's method along the central path of Barrier, from X = 0. It is
-/// finite exactly where c_T' Q^-1 c_T < 1 with the pull c_T = d sum_i w_i s_i on a translation and
-/// Q = sum_i w_i^2 R_i' R_i, summed over the connected parts of the mesh; d is lowered until the
-/// root of that is at most a half.
+/// Newton's method finds the optimum along the central path of Barrier, from X = 0. It is finite
+/// exactly where c_T' Q^-1 c_T < 1. Here c_T = d sum_i w_i s_i is the pull on a translation, and Q
+/// = sum_i w_i^2 R_i' R_i. Both are summed over the connected parts of the mesh. The solver lowers
+/// d until the root of that is at most a half.
 class InextensibleProgram {
  public:
   /// Fails where the mesh is too large.

@@ -18,7 +18,7 @@
 
 namespace weft::solvers {
 
-/// What the program needs of a template.
+/// The data of a template that the program needs.
 struct MeshAtRest {
   std::vector<DistanceConstraint> edges;
   MeshTopology topology;
@@ -29,14 +29,14 @@ struct MeshAtRest {
 /// Fails on a mesh that is not valid.
 Result<MeshAtRest> mesh_at_rest(const Template& templ);
 
-/// What solvers share that solve the InextensibleProgram in rounds: while matches are far off they
-/// are left out, the others are weighed by how well they agree, and it is solved again.
+/// The base of solvers that solve the InextensibleProgram in rounds. Each round excludes matches
+/// with large residuals, weighs the others by their agreement, and solves again.
 class InextensibleSurface {
  public:
   /// Begins with as many rounds.
   void declare(Params& p, int rounds);
 
-  /// Whether set_mesh() has been called for this template.
+  /// True if set_mesh() has been called for this template.
   bool is_for(const Template& templ) const {
     return templ.revision != 0 && templ.revision == revision_;
   }
@@ -59,9 +59,9 @@ class InextensibleSurface {
   /// [V] 1 for vertices of connected parts of the mesh with a match that counts.
   std::vector<std::uint8_t> parts_with_matches() const;
 
-  /// The record of vertices [V,3] m, with its confidence by `weights`, and what the program said in
-  /// `diag`. no_result where they are not all in front of the camera; degenerate
-  /// where the program did not converge.
+  /// The record of vertices [V,3] m, with its confidence by `weights`, and the results of the
+  /// program in `diag`. Fails with no_result where a vertex is not in front of the camera, and with
+  /// degenerate where the program did not converge.
   Result<Shape> shape(const SolverInput& in, const ProgramResult& solved,
                       const Points3View& vertices_m, const ConfidenceWeights& weights) const;
 
@@ -72,11 +72,11 @@ class InextensibleSurface {
   int rounds_ = 1;
   double outlier_px_ = 20.0;
 
-  std::uint64_t revision_ = 0;  ///< of the template that all of this is for
+  std::uint64_t revision_ = 0;  ///< revision of the template to which all of this belongs
   std::vector<BendingHinge> hinges_;
   double mean_edge_m_ = 1.0;
   InextensibleProgram program_;
-  WeighedMatches matches_;  ///< of this frame
+  WeighedMatches matches_;  ///< matches of this frame
 };
 
 }  // namespace weft::solvers

@@ -12,10 +12,10 @@
 namespace weft::solvers {
 
 /// The norm |L X| of a matrix L that acts alike on the three coordinates of the vertices, in
-/// patches that overlap: sum over patches p of |B_p X_p|^2, the square of it.
+/// patches that overlap. Its square is the sum over patches p of |B_p X_p|^2.
 class PatchPrior {
  public:
-  static constexpr Eigen::Index kMostVertices = 25;  ///< of a patch
+  static constexpr Eigen::Index kMostVertices = 25;  ///< most vertices of a patch
 
   /// B [k,n] 1/m of patches with n vertices, n and k at most kMostVertices; its number.
   std::size_t add_rows(Eigen::MatrixXd rows_per_m);
@@ -27,10 +27,10 @@ class PatchPrior {
   std::size_t patch_count() const { return patches_.size(); }
   std::size_t model_count() const { return rows_.size(); }  ///< [] different B
 
-  /// Of L, for one coordinate.
+  /// Rows of L, for one coordinate.
   std::size_t row_count() const { return row_count_; }
 
-  /// Asks for the couplings of all vertices that share a patch.
+  /// Requests the couplings of all vertices that share a patch.
   void couple(Couplings& couplings);
 
   /// |L X| of vertices [V,3] m.

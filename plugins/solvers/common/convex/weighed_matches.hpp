@@ -21,8 +21,8 @@ class WeighedMatches {
   /// Fails as seen_points() does, with fewer than kFewest too.
   Result<void> read(const Correspondences& matches, const Template& templ);
 
-  /// Leaves out matches that are off by more than a radius and weighs the others by exp(-r / median
-  /// r). False, and nothing is changed, where none is off by as much or too few are left.
+  /// Excludes matches with errors above a radius and weighs the others by exp(-r / median r).
+  /// Returns false, and changes nothing, where no error is that large or too few matches remain.
   bool weigh_again(const Points3View& vertices_m, const Camera& camera, double radius_px);
 
   const std::vector<SeenPoint>& points() const { return points_; }

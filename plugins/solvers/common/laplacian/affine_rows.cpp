@@ -41,7 +41,7 @@ Eigen::Matrix<double, 2, 4> unfolded(const Eigen::Vector3d& a, const Eigen::Vect
 }
 
 bool is_flat(const Points3View& rest_m) {
-  constexpr double kFlat = 0.01;  // of the furthest vertex from the middle
+  constexpr double kFlat = 0.01;  // share of the distance of the furthest vertex from the middle
   const Points3 centred = rest_m.rowwise() - rest_m.colwise().mean();
   const double reach = centred.rowwise().norm().maxCoeff();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(centred.transpose() * centred);
@@ -86,7 +86,7 @@ class Rows {
     return static_cast<std::int32_t>(rest_m_.rows()) + 2 * face + side;
   }
 
-  /// Of a vertex, or half an edge in front of the middle of a face or behind it.
+  /// A vertex, or half an edge in front of the middle of a face or behind it.
   Eigen::Vector3d point(std::int32_t index) const {
     const std::int32_t beyond = index - static_cast<std::int32_t>(rest_m_.rows());
     if (beyond < 0) return vertex(index);

@@ -22,7 +22,7 @@
 namespace weft::solvers {
 namespace {
 
-/// Whether every face is reached from the first one across edges.
+/// True if every face is reached from the first one across edges.
 bool hangs_together(const MeshTopology& topology, Eigen::Index face_count) {
   std::vector<std::int32_t> part(to_index(face_count));
   for (std::size_t f = 0; f < part.size(); ++f) part[f] = static_cast<std::int32_t>(f);
@@ -86,7 +86,7 @@ Result<Elimination> eliminate(const Eigen::SparseMatrix<double>& rows,
   return result;
 }
 
-/// Whether P carries the mesh at rest along, and shifts it, within a millionth of its size.
+/// True if P reproduces the mesh at rest, and shifts of it, within a millionth of its size.
 bool reproduces_rest(const ControlMesh& mesh) {
   const double size_m =
       (mesh.rest_m.colwise().maxCoeff() - mesh.rest_m.colwise().minCoeff()).norm();
@@ -96,7 +96,7 @@ bool reproduces_rest(const ControlMesh& mesh) {
   }
   const Points3 off_m = mesh.weights * controls_m - mesh.rest_m;
   const Eigen::VectorXd sums = mesh.weights.rowwise().sum();
-  // What counts as flat need not be: its relief is not reproduced.
+  // A mesh that counts as flat may have a relief, which is not reproduced.
   const double relief = mesh.flat ? 0.02 : 1e-6;
   return mesh.weights.allFinite() && off_m.cwiseAbs().maxCoeff() <= relief * size_m &&
          (sums.array() - 1.0).abs().maxCoeff() <= 1e-6;
@@ -154,8 +154,8 @@ Result<ControlMesh> make_control_mesh(const Template& templ, int control_count) 
   if (!topology) return topology.error();
   if (!hangs_together(*topology, mesh.faces.rows())) {
     return Error{Errc::unsupported,
-                 "the faces of the template do not hang together by edges, and nothing says how "
-                 "far one part is when another is known: use one part, or another solver"};
+                 "the faces of the template are not connected by edges, so the depth of one part "
+                 "does not determine that of another: use one part, or another solver"};
   }
   auto edges = distance_constraints(topology->edges, mesh.rest_m);
   if (!edges) return edges.error();

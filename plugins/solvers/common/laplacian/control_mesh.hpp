@@ -21,7 +21,7 @@ struct ControlMesh {
   std::vector<std::int32_t> controls;     ///< [N] vertices
   Eigen::MatrixXd weights;                ///< [V,N] P
   Eigen::MatrixXd edge_weights;           ///< [E,N] row i of P less row j, of each edge
-  /// [N,N] (A P)^T (A P), times (diagonal / (12 mean edge))^2: A of a finer mesh is smaller for the
+  /// [N,N] (A P)^T (A P), times (diagonal / (12 mean edge))^2. A of a finer mesh is smaller for the
   /// same bend, and the factor is 1 for the meshes of the papers.
   Eigen::MatrixXd bending;
   bool flat = true;  ///< []
@@ -33,9 +33,9 @@ struct ControlMesh {
 /// so few vertices do not hold it.
 Result<ControlMesh> make_control_mesh(const Template& templ, int control_count);
 
-/// Vertices far apart along the surface: those that reach furthest along the diagonals, of a sheet
-/// its corners, then each the furthest from those before it (farthest point sampling). All, if
-/// there are no more.
+/// Vertices far from each other along the surface. The first are those that reach furthest along
+/// the diagonals, such as the corners of a rectangle. Each next vertex is the furthest from the
+/// previous ones (farthest point sampling). All, if there are no more.
 std::vector<std::int32_t> farthest_vertices(const Points3View& rest_m, const EdgesView& edges,
                                             int count);
 

@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kOverRelaxation = 1.6;
 constexpr int kIterationsPerPenalty = 20;
-constexpr double kRidge = 1e-12;  // of the trace: places that neither matches nor bends determine
+constexpr double kRidge = 1e-12;  // share of the trace: places that neither matches nor bends
+                                  // determine
 
 /// The pull on each control, [N,3] m: of matches away from the camera.
 Eigen::MatrixX3d pull_on_controls(const SeenMatches& matches, const Inliers& inliers,
@@ -110,7 +111,7 @@ class Admm {
 
 InextensibleFit inextensible_fit(const ControlMesh& mesh, const SeenMatches& matches,
                                  const Inliers& inliers, const InextensibleFitOptions& options) {
-  constexpr double kAtRest = 0.1;  // of the tolerance
+  constexpr double kAtRest = 0.1;  // share of the tolerance
   Eigen::MatrixXd quadratic = inliers.matrix;
   add_for_each_axis(mesh.bending, options.stiffness * options.stiffness, quadratic);
   const Eigen::MatrixX3d pull = pull_on_controls(matches, inliers, options.pull_px);

@@ -22,12 +22,12 @@ struct InextensibleFit {
   bool converged = false;       ///< []
 };
 
-/// The sheet that is seen where the inliers are and that no edge of it is stretched:
-///   min  1/2 |M P c|^2 + 1/2 stiffness^2 |A P c|^2 - pull sum_m r_m . X_m   with |d_e| <= l_e,
-/// d_e = X_i - X_j of each edge, r_m the unit sightline of match m. Without the pull the sheet
-/// would shrink into the camera, where every match fits. The problem is convex, so the start, which
-/// is the linear shape, decides the time alone. Solved by ADMM with exact projections (Boyd et al.,
-/// 2011).
+/// The surface that is seen where the inliers are and has no stretched edge:
+///     min  1/2 |M P c|^2 + 1/2 stiffness^2 |A P c|^2 - pull sum_m r_m . X_m   with |d_e| <= l_e,
+/// d_e = X_i - X_j of each edge, r_m the unit sightline of match m. Without the pull the surface
+/// would shrink into the camera, where every match fits. The problem is convex, so the initial
+/// guess, which is the linear shape, affects only the time. ADMM with exact projections solves it
+/// (Boyd et al., 2011).
 InextensibleFit inextensible_fit(const ControlMesh& mesh, const SeenMatches& matches,
                                  const Inliers& inliers, const InextensibleFitOptions& options);
 

@@ -35,7 +35,7 @@ Eigen::VectorXd ones_of(const std::vector<std::uint8_t>& inlier) {
   return ones;
 }
 
-/// Whether the inliers may determine a shape.
+/// Checks that the inliers can determine a shape.
 Result<void> check_inliers(const ControlMesh& mesh, const SeenMatches& matches,
                            const InlierSearchOptions& options, Inliers& found) {
   found.count = std::count(found.inlier.begin(), found.inlier.end(), 1);
@@ -60,13 +60,14 @@ void fit(const ControlMesh& mesh, const SeenMatches& matches, double stiffness, 
   found.shape = linear_shape(mesh, matrix);
 }
 
-/// [M] px, from where each match was seen to where the affine map has it that makes the sum of
-/// these distances least (by reweighted squares). Squares alone would shrink the sheet where half
-/// of the matches are wrong, and the linear shape cannot tell wrong matches from perspective.
+/// [M] px, from the image point of each match to its place by the affine map with the least sum of
+/// these distances (by reweighted squares). Least squares alone would shrink the surface where half
+/// of the matches are outliers, and the linear shape cannot distinguish outliers from perspective.
 Eigen::VectorXd distances_from_affine_px(const Eigen::MatrixXd& places_m, const Points2& seen_px) {
   constexpr int kRounds = 20;
-  constexpr double kLeastDistancePx = 1.0;  // of a weight; nearer ones count alike
-  constexpr double kLevelling = 1e-9;       // of the trace: what no place of a flat mesh determines
+  constexpr double kLeastDistancePx = 1.0;  // least distance in a weight; nearer ones count alike
+  constexpr double kLevelling = 1e-9;       // share of the trace: directions that no place of a
+                                            // flat mesh determines
   Eigen::MatrixX4d places(places_m.rows(), 4);
   places << (places_m.rowwise() - places_m.colwise().mean()),
       Eigen::VectorXd::Ones(places_m.rows());
@@ -95,7 +96,7 @@ void test(const Eigen::VectorXd& distances, double radius_px, bool all, Inliers&
 }  // namespace
 
 LinearShape linear_shape(const ControlMesh& mesh, const Eigen::MatrixXd& matrix) {
-  constexpr double kRounding = 1e-15;  // of the largest eigenvalue
+  constexpr double kRounding = 1e-15;  // share of the largest eigenvalue
   ask_to_go_on();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
   const Eigen::VectorXd& values = eigen.eigenvalues();

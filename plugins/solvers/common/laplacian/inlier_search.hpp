@@ -12,8 +12,8 @@
 namespace weft::solvers {
 
 /// The shape without lengths: the eigenvector c of the smallest eigenvalue of
-///   (M P)^T (M P) + stiffness^2 (A P)^T (A P),
-/// so scaled that the squared lengths of the edges sum to those at rest, and in front of the
+///     (M P)^T (M P) + stiffness^2 (A P)^T (A P),
+/// scaled so that the squared lengths of the edges sum to those at rest, and in front of the
 /// camera. Its projection is right, its depth is a guess (Ngo et al., PAMI 38(1), 2016).
 struct LinearShape {
   Eigen::MatrixX3d controls_m;  ///< [N,3] m, camera frame
@@ -36,14 +36,14 @@ struct Inliers {
   std::vector<std::uint8_t> inlier;  ///< [M] 1 for matches near their place on the shape
   Eigen::Index count = 0;            ///< []
   Eigen::MatrixXd matrix;            ///< [3N,3N] reprojection_matrix() of these
-  LinearShape shape;                 ///< of these
+  LinearShape shape;                 ///< shape of these inliers
 };
 
 /// With `affine_test`, matches further than the first radius from the affine map of the least
-/// distances are left out. Then a stiff sheet is fitted and those far from it are dropped, a softer
-/// one with a smaller radius to the others, and so on. The last test is of all matches, so that
-/// those come back that map and stiff sheets could not follow. no_result for too few matches or
-/// inliers, and for some in one place or on a line.
+/// distances are excluded. A stiff surface is fitted, and matches far from it are dropped. Softer
+/// surfaces with smaller radii then follow for the others. The last test includes all matches, to
+/// restore those that the map and the stiff surfaces could not follow. Fails with no_result for too
+/// few matches or inliers, and for matches in one place or on a line.
 Result<Inliers> find_inliers(const ControlMesh& mesh, const SeenMatches& matches,
                              const InlierSearchOptions& options);
 

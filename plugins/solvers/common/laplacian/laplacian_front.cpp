@@ -10,8 +10,9 @@ void LaplacianFront::declare(Params& p, Preset preset) {
     controls_ = 40;
     search_.affine_test = true;
   }
-  p.read("controls", controls_, "", {4, 200},
-         "number of control vertices, far apart on the mesh, that determine the other vertices");
+  p.read(
+      "controls", controls_, "", {4, 200},
+      "number of control vertices, evenly spread over the mesh, that determine the other vertices");
   p.read(
       "reject_outliers", search_.rejects,
       "outlier rejection by the solver, without a filter before it; false: all kept matches count");

@@ -13,8 +13,8 @@
 
 namespace weft::solvers {
 
-/// What solvers on Laplacian meshes begin with: the control mesh of the template, which is kept as
-/// long as its revision stays, the matches of a frame, and those of them that are inliers.
+/// The common first steps of solvers on Laplacian meshes. It has the control mesh of the template,
+/// which is kept while its revision stays, the matches of a frame, and their inliers.
 class LaplacianFront {
  public:
   /// Begins with the constants of the preset.
@@ -30,7 +30,7 @@ class LaplacianFront {
  private:
   int controls_ = 25;
   InlierSearchOptions search_;
-  std::uint64_t revision_ = 0;  ///< of the template that the mesh is of
+  std::uint64_t revision_ = 0;  ///< revision of the template of the mesh
   ControlMesh mesh_;
   SeenMatches matches_;
   Inliers inliers_;

@@ -68,9 +68,10 @@ double LengthFitter::energy_m2(const Eigen::VectorXd& c) const {
              : energy + 0.5 * options_.tension_m * excess_m.cwiseAbs().sum();
 }
 
-/// Newton's equations, of which multipliers and slacks are eliminated: with w = tension / (4 s^2)
-///   (H + G^T w G) dc = -g - G^T w (excess - s^2),  lambda = w (G dc + excess - s^2),
-///   s + ds = -2 s lambda / tension.
+/// Newton's equations without multipliers and slacks, which are eliminated: with w = tension / (4
+/// s^2)
+///     (H + G^T w G) dc = -g - G^T w (excess - s^2),  lambda = w (G dc + excess - s^2),
+///     s + ds = -2 s lambda / tension.
 Eigen::VectorXd LengthFitter::slack_step(const Eigen::VectorXd& c, Eigen::VectorXd& slacks) const {
   const EdgeExcess excess = edge_excess(c);
   const Eigen::VectorXd slacks2 = slacks.cwiseAbs2();

@@ -9,7 +9,7 @@
 
 namespace weft::solvers {
 
-/// What the edges may do.
+/// The constraint on the edges.
 enum class Lengths { at_most, equal };
 
 /// The defaults are the constants of the authors' program (Ngo, Ostlund, Fua, deformabletracker).
@@ -18,7 +18,7 @@ struct LengthFitOptions {
   Lengths lengths = Lengths::at_most;
   double stiffness = 0.84;      ///< []
   double tension_m = 5.1e-3;    ///< [] m, at_most: how hard each edge pulls for its length
-  double length_weight = 10.0;  ///< [] equal, ours: an edge counts as much as so many matches
+  double length_weight = 10.0;  ///< [] equal, ours: the number of matches that one edge counts as
   double previous = 0.0;        ///< [] weight of the way from the previous controls
   int max_iterations = 5;       ///< []
   double tolerance_m = 0.0;     ///< [] m, rms step of the controls at which to stop
@@ -31,12 +31,12 @@ struct LengthFit {
 };
 
 /// The constrained step of Laplacian meshes (Ostlund et al., ECCV 2012; Ngo et al., PAMI 38(1),
-/// 2016): the shape near a start that minimises
-///   E(c) = 1/2 |M P c|^2 + 1/2 stiffness^2 |A P c|^2 + 1/2 previous^2 |c - c_previous|^2
-/// with edges |d_e| <= l_e, by steps of Newton on c, multipliers and slacks s_e, |d_e| + s_e^2 =
-/// l_e, to which tension / 2 sum s_e^2 is added: without it nothing would keep the sheet from
-/// shrinking into the camera. Or, `equal`, by steps of Gauss and Newton on E + length_weight / 2
-/// sum (|d_e| - l_e)^2, for there are more edges than unknowns.
+/// 2016). Near an initial guess it minimises
+///     E(c) = 1/2 |M P c|^2 + 1/2 stiffness^2 |A P c|^2 + 1/2 previous^2 |c - c_previous|^2
+/// with edges |d_e| <= l_e. Newton's steps act on c, multipliers and slacks s_e, |d_e| + s_e^2 =
+/// l_e. The term tension / 2 sum s_e^2 keeps the surface from shrinking into the camera. With
+/// `equal`, Gauss-Newton steps minimise E + length_weight / 2 sum (|d_e| - l_e)^2, because there
+/// are more edges than unknowns.
 class LengthFitter {
  public:
   /// `previous_m` [N,3] m.

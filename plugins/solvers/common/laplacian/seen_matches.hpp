@@ -32,8 +32,8 @@ Result<SeenMatches> read_matches(const Correspondences& matches, const Pinhole& 
                                  const ControlMesh& mesh);
 
 /// [3N,3N] (M P)^T W (M P) with a weight [M] for each match, for c = (x.., y.., z..) of the
-/// controls. M X = 0 where each match is on its sightline; with the slopes (a, b) of that, its rows
-/// are x - a z and y - b z: in m, the paper's divided by the focal length.
+/// controls. M X = 0 where each match is on its sightline. With the slopes (a, b) of the sightline,
+/// the rows are x - a z and y - b z in m. These are the paper's rows divided by the focal length.
 Eigen::MatrixXd reprojection_matrix(const SeenMatches& matches, const Eigen::VectorXd& counts);
 
 /// [M] px, from where each match was seen to where the shape of the controls has it; infinite
@@ -43,7 +43,7 @@ Eigen::VectorXd distances_px(const SeenMatches& matches, const Eigen::MatrixX3d&
 /// Adds `factor` times a matrix [N,N] for each coordinate of the controls to one of [3N,3N].
 void add_for_each_axis(const Eigen::MatrixXd& matrix, double factor, Eigen::MatrixXd& sum);
 
-/// Whether points [M,D] are in one place or on a line, within a thousandth of its length.
+/// True if points [M,D] are in one place or on a line, within a thousandth of its length.
 bool on_a_line(const Eigen::MatrixXd& points);
 
 }  // namespace weft::solvers

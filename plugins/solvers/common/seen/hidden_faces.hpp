@@ -9,8 +9,8 @@
 
 namespace weft::solvers {
 
-/// [F] 1 for faces of which a visibility says that no corner is seen. A corner outside the image
-/// says nothing. Fails on a visibility of another number of vertices.
+/// [F] 1 for faces without a visible corner in a visibility record. A corner outside the image does
+/// not count. Fails on a visibility of another number of vertices.
 Result<void> read_hidden_faces(const Visibility& visibility, const Faces& faces,
                                Eigen::Index vertex_count, std::vector<std::uint8_t>& hidden);
 

@@ -6,8 +6,8 @@
 
 namespace weft::solvers {
 
-/// Whether points of the image lie on a line, or in one place: from these no surface follows, as
-/// all that is seen of one is seen from the side. `place_px(point)` is an Eigen::Vector2d.
+/// True if points of the image lie on a line, or in one place. They determine no surface, because
+/// they may show a surface from its edge. `place_px(point)` is an Eigen::Vector2d.
 template <class Points, class PlaceOf>
 bool lie_on_a_line(const Points& points, PlaceOf&& place_px) {
   constexpr double kNarrowest = 1e-3;  // width over length, as standard deviations

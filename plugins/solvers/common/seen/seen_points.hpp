@@ -37,12 +37,12 @@ Result<std::vector<SeenPoint>> seen_points(const Correspondences& matches, const
                                            std::size_t fewest);
 
 /// The two equations R p = 0 [2,3] of a point p that is seen at a pixel,
-///   fx X + (cx - u) Z = 0,   fy Y + (cy - v) Z = 0:
-/// with p = sum_k b_k X_k they are two rows of the linear system M X = 0 in the vertices (Salzmann
+///     fx X + (cx - u) Z = 0,   fy Y + (cy - v) Z = 0.
+/// With p = sum_k b_k X_k they are two rows of the linear system M X = 0 in the vertices (Salzmann
 /// et al. 2007). R p is the error in the image times the depth, in px m.
 Eigen::Matrix<double, 2, 3> reprojection_rows(const Camera& camera, const Eigen::Vector2d& seen_px);
 
-/// Of each point [n] px; infinite for one that is not in front of the camera.
+/// The error of each point [n] px; infinite for one that is not in front of the camera.
 std::vector<double> reprojection_errors_px(std::span<const SeenPoint> points, const Camera& camera,
                                            const Points3View& vertices_m);
 
@@ -50,8 +50,8 @@ std::vector<double> reprojection_errors_px(std::span<const SeenPoint> points, co
 std::vector<SeenPoint> points_within(std::span<const SeenPoint> points, const Camera& camera,
                                      const Points3View& vertices_m, double radius_px);
 
-/// m, how far away a flat sheet would be that is seen as large as the points are, from the front.
-/// Not finite where they coincide in the image, to 1e-6 focal lengths.
+/// m, the distance of a flat frontal surface that appears as large as the points do. Not finite
+/// where they coincide in the image, to 1e-6 focal lengths.
 double frontal_distance_m(std::span<const SeenPoint> points, const Camera& camera,
                           const Points3View& rest_m);
 

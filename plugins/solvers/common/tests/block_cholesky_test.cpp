@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint64_t kMatrixSeed = 7;
 
-/// A sheet, and a positive definite matrix with a block for each pair that a term joins.
+/// A surface, and a positive definite matrix with a block for each pair that a term joins.
 struct System {
   Points3 rest_m;
   Couplings couplings;

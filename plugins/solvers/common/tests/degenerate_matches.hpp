@@ -22,7 +22,7 @@ struct SolverCase {
   double most_confidence = 0.5;  ///< where matches contradict each other
   double radius_m = 0.25;
   testing::PoseSpec pose = kTurned;
-  double zoom = 1.0;  ///< of the focal length
+  double zoom = 1.0;  ///< factor on the focal length
   /// A shape that is marked as degenerate will do, too, and a message without a number.
   bool may_be_degenerate = false;
 };
@@ -31,7 +31,7 @@ inline void PrintTo(const SolverCase& given, std::ostream* out) {
   *out << given.id << ' ' << given.params;
 }
 
-/// What holds for every solver of matches; a test program instantiates it with its own.
+/// The tests for every solver of matches; a test program instantiates it with its solver.
 class DegenerateMatches : public ::testing::TestWithParam<SolverCase> {
  protected:
   static MatchedScene scene_of(int count, std::uint64_t seed) {

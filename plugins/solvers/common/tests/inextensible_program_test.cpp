@@ -12,8 +12,8 @@
 namespace weft::solvers {
 namespace {
 
-// The Lagrangian c.X - |M X| + sum_e lambda_e (l_e - |X_a - X_b|) is concave, so where its slope is
-// 0 no X has more than sum_e lambda_e l_e, and no feasible one has a larger objective.
+// The Lagrangian c.X - |M X| + sum_e lambda_e (l_e - |X_a - X_b|) is concave. Where its slope is 0,
+// no X has more than sum_e lambda_e l_e, and no feasible one has a larger objective.
 TEST(InextensibleProgram, ReachesTheOptimumByItsOptimalityConditions) {
   std::cout << "seeds 11, 12, 13\n";
   for (const std::uint64_t seed : {11U, 12U, 13U}) {

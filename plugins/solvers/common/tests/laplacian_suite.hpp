@@ -25,8 +25,8 @@ struct LaplacianCase {
   double error_half_wrong_m;  ///< bound on the mean where half of the matches are wrong
 };
 
-/// What holds for every solver of control points and a Laplacian; a test program instantiates it
-/// with its own.
+/// The tests for every solver of control points and a Laplacian; a test program instantiates it
+/// with its solver.
 class LaplacianSolver : public ::testing::TestWithParam<LaplacianCase> {
  protected:
   static MatchedScene scene_of(double radius_m, const testing::MatchSpec& spec,

@@ -30,7 +30,7 @@ constexpr std::uint64_t kSeed = 20121007;
 
 Template flat_template() { return testing::make_template(); }
 
-/// The sheet at rest around a cylinder.
+/// The surface at rest around a cylinder.
 Template curved_template() {
   Template templ = testing::make_template();
   const auto sheet = testing::make_cylinder({}, 0.1, 0.4);
@@ -180,7 +180,7 @@ TEST(ControlMesh, RefusesPartsThatDoNotHangTogether) {
   const auto mesh = make_control_mesh(templ, 25);
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.error().code, Errc::unsupported);
-  EXPECT_THAT(mesh.error().message, HasSubstr("hang together"));
+  EXPECT_THAT(mesh.error().message, HasSubstr("not connected by edges"));
 }
 
 TEST(ControlMesh, NamesAFaceWithoutArea) {
@@ -191,7 +191,7 @@ TEST(ControlMesh, NamesAFaceWithoutArea) {
   EXPECT_EQ(mesh.error().code, Errc::invalid_data);
 }
 
-/// Matches of a bent sheet.
+/// Matches of a bent surface.
 struct Seen {
   Template templ;
   ControlMesh mesh;

@@ -19,7 +19,7 @@ namespace weft::solvers {
 /// 0.6 m away, turned by 0.3 rad.
 inline constexpr testing::PoseSpec kTurned{0.6, 0.0, 0.0, 0.0, 0.3, 0.0};
 
-/// A sheet bent to a cylinder, and matches on it.
+/// A surface bent to a cylinder, and matches on it.
 struct MatchedScene {
   Template templ;
   Camera camera = testing::make_camera();
@@ -63,7 +63,7 @@ struct MatchedScene {
   }
 };
 
-/// One call with a plugin of its own; the answer lives as long as this.
+/// One call with a separate plugin; the result lives as long as this.
 struct SolverCall {
   testing::PluginUnderTest plugin;
   testing::PluginAnswer out;
@@ -72,7 +72,7 @@ struct SolverCall {
       : plugin(id, params), out(scene.run(plugin)) {}
 
   std::optional<Shape> shape() const { return out.get<Shape>(); }
-  /// Of a shape that must be there; NaN where it is not.
+  /// The vertices of a shape that must exist; NaN where it does not.
   Points3 vertices_m() const {
     EXPECT_EQ(out.status, WEFT_OK) << out.message;
     const auto found = shape();

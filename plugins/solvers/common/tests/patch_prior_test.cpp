@@ -78,7 +78,7 @@ TEST(PatchPrior, NormSlopeAndSquareAreThoseOfItsMatrix) {
   EXPECT_LT((assembled - square).cwiseAbs().maxCoeff(), 1e-9);
 }
 
-/// lambda of a prior with so many rows over d sum_i w_i, weights 1, as InextensibleProgram says.
+/// lambda of a prior with this many rows over d sum_i w_i, weights 1, as in InextensibleProgram.
 double prior_factor(const ProgramScene& scene, const ProgramResult& result, double prior_weight_px,
                     Eigen::Index rows) {
   const double distance_m =

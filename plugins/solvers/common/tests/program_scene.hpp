@@ -17,7 +17,7 @@
 
 namespace weft::solvers {
 
-/// A sheet bent to a cylinder, 0.6 m away, and 200 matches on it.
+/// A surface bent to a cylinder, 0.6 m away, and 200 matches on it.
 struct ProgramScene {
   Template templ;
   Camera camera = testing::make_camera();
@@ -53,7 +53,7 @@ struct ProgramScene {
   }
 };
 
-/// c [V,3] and the rows of the program, divided by d sum_i w_i, as its header says.
+/// c [V,3] and the rows of the program, divided by d sum_i w_i, as in its header.
 struct Terms {
   Points3 pull;                                   ///< [V,3]
   std::vector<Eigen::Matrix<double, 2, 3>> rows;  ///< [n] 1
@@ -82,7 +82,7 @@ struct Terms {
     return pull.cwiseProduct(x).sum() - residual(scene, x);
   }
 
-  /// Of the objective, by the vertices [V,3].
+  /// The derivative of the objective by the vertices [V,3].
   Points3 slope(const ProgramScene& scene, const Points3& x) const {
     Points3 slope = pull;
     const double norm = residual(scene, x);
@@ -97,7 +97,7 @@ struct Terms {
   }
 };
 
-/// What the tensions of the edges take from the slope; the bound that they prove is
+/// The part of the derivative that the tensions of the edges cancel; the bound that they prove is
 /// sum_e tension_e length_e.
 inline Points3 tension_slope(const ProgramScene& scene, const ProgramResult& result,
                              double& bound_m) {

@@ -23,7 +23,7 @@ constexpr ConfidenceWeights kSignWeights{.bias = -2.0,
                                          .share = 0.2,
                                          .coverage = 1.0};
 
-/// A sheet on a cylinder of 0.2 m, and matches on its mesh.
+/// A surface on a cylinder of 0.2 m, and matches on its mesh.
 struct SignScene {
   Template templ = testing::make_template();
   Camera camera = testing::make_camera();

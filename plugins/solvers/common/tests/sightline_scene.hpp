@@ -14,7 +14,7 @@
 
 namespace weft::solvers {
 
-/// The reference sheet: 297 x 192 mm, 10 x 6 vertices, 0.6 m away, focal length 817 px.
+/// The reference surface: 297 x 192 mm, 10 x 6 vertices, 0.6 m away, focal length 817 px.
 inline testing::SheetSpec reference_sheet() {
   testing::SheetSpec spec;
   spec.height_m = 0.192;
@@ -47,7 +47,7 @@ inline std::vector<BentPose> reference_poses() {
   return poses;
 }
 
-/// The reference sheet bent to a cylinder, and sightlines of its vertices.
+/// The reference surface bent to a cylinder, and sightlines of its vertices.
 struct SightlineScene {
   Template templ = testing::make_template(reference_sheet());
   Camera camera = reference_camera();

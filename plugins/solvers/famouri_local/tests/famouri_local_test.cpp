@@ -49,7 +49,7 @@ TEST(FamouriLocal, GivesBackACylinderFromManyExactMatches) {
   EXPECT_LT(error_m, 1e-3);
 }
 
-/// Depths of the matches of a scene, with the errors that the truth tells.
+/// Depths of the matches of a scene, with their true errors.
 struct DepthErrors {
   std::vector<double> off_m, in_stds;
 

@@ -147,7 +147,7 @@ TEST(LocalMap, ItsCovarianceAndNoiseAreThoseOfManyDraws) {
     std::vector<MapSample> samples = places;
     for (MapSample& sample : samples)
       sample.eta += noise * Eigen::Vector2d(rng.normal(), rng.normal());
-    // Second derivatives are free, so that what is left is noise alone.
+    // Second derivatives are free, so that only noise remains.
     const auto map = fit.fit(samples, 0, {noise, 1e3, true});
     ASSERT_TRUE(map);
     const Eigen::Vector2d off =

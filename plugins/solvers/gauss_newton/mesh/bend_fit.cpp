@@ -50,7 +50,7 @@ void BendFit::add_shares(const Arc& arc, const std::array<std::int32_t, 2>& arou
   }
 }
 
-/// What II_ss, II_st and II_tt add to the angle of a hinge, s along and t across.
+/// The contributions of II_ss, II_st and II_tt to the angle of a hinge, s along and t across.
 Eigen::Vector3d BendFit::row_of(const Hinge& hinge, const Eigen::Vector3d& along,
                                 const Eigen::Vector3d& across) const {
   const auto at = [&](std::size_t k) -> Eigen::Vector3d {

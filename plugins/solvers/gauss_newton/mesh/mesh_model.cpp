@@ -35,7 +35,7 @@ Result<std::vector<Arc>> arcs_of(const EdgesView& pairs, const Points3& rest_m,
   return arcs;
 }
 
-/// Whether the face runs from a to b.
+/// True if the face runs from a to b.
 bool runs(const Faces& faces, std::int32_t face, std::int32_t a, std::int32_t b) {
   for (Eigen::Index k = 0; k < 3; ++k) {
     if (faces(face, k) == a) return faces(face, (k + 1) % 3) == b;

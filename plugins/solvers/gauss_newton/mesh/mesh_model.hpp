@@ -47,20 +47,20 @@ struct Arc {
   std::size_t first = 0, end = 0;  ///< [] of the shares of its curvature in MeshModel
 };
 
-/// What follows from the template alone.
+/// The data that depend on the template alone.
 struct MeshModel {
   Points3 rest_m;                    ///< [V,3] m
   Faces faces;                       ///< [F,3]
   Faces face_arcs;                   ///< [F,3] edges between corners 0 and 1, 1 and 2, 2 and 0
-  IndexLists neighbours, faces_at;   ///< of each vertex
+  IndexLists neighbours, faces_at;   ///< for each vertex
   std::vector<std::int32_t> border;  ///< vertices, in any order
   std::vector<Hinge> hinges;
-  std::vector<Arc> edges;                              ///< of the mesh
+  std::vector<Arc> edges;                              ///< edges of the mesh
   std::vector<Arc> pairs;                              ///< the opposite vertices of adjacent faces
-  std::vector<HingeShare> shares;                      ///< of edges and pairs
+  std::vector<HingeShare> shares;                      ///< shares of edges and pairs
   std::vector<std::array<std::int32_t, 2>> couplings;  ///< all pairs of vertices that a term joins
   bool is_flat = true;
-  solvers::BendSmoother smoother;  ///< of convex starts
+  solvers::BendSmoother smoother;  ///< for convex initial guesses
 
   /// Fails on a mesh that is not manifold, not finite or has coincident neighbours. `smoothing` is
   /// that of BendSmoother.
@@ -68,7 +68,7 @@ struct MeshModel {
 
   Eigen::Index vertex_count() const { return rest_m.rows(); }
   solvers::RestMesh at_rest() const { return {rest_m, neighbours, is_flat}; }
-  double diagonal_m() const {  ///< of the bounding box at rest
+  double diagonal_m() const {  ///< diagonal of the bounding box at rest
     return (rest_m.colwise().maxCoeff() - rest_m.colwise().minCoeff()).norm();
   }
 
@@ -84,8 +84,8 @@ struct MeshModel {
 /// Normals of the faces [F,3], twice their area long, towards the camera where it sees the front.
 void face_normals(const Points3& vertices_m, const Faces& faces, Points3& normals);
 
-/// By how much the two faces of a hinge are turned towards each other, in rad; positive where the
-/// front is hollow.
+/// The angle by which the two faces of a hinge are turned towards each other, in rad; positive
+/// where the front is hollow.
 double angle_rad(const Hinge& hinge, const Points3& normals, const Points3& vertices_m);
 
 /// The curvature of an arc in 1/m from the angles of all hinges; positive where the front is

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint64_t kShapeSeed = 11;
 
-/// A bent sheet that is neither as it is seen nor as long as at rest.
+/// A bent surface that contradicts both the observations and the lengths at rest.
 struct Bent {
   Scene scene = Scene::bent(0.2);
   MeshModel mesh;

@@ -37,7 +37,7 @@ Shape given(const PluginAnswer& out) {
   return shape;
 }
 
-/// Matches of the smooth sheet that a pose bends, and where its vertices are.
+/// Matches of the smooth surface that a pose bends, and the places of its vertices.
 struct Matched {
   Scene scene;
   Correspondences matches;
@@ -99,7 +99,8 @@ TEST(GaussNewton, AThirdOfWrongMatchesIsLeftAlone) {
   EXPECT_LT(wrong.mean_mm, clean.mean_mm + 0.2);
 }
 
-/// Each match is off by 4 px along a direction of its own and by 0.1 px across it, and says so.
+/// Each match is off by 4 px along a separate direction and by 0.1 px across it, and its covariance
+/// has these values.
 void blur(Correspondences& matches, std::uint64_t seed) {
   std::cout << "seed of the blur " << seed << "\n";
   Rng rng(seed);
@@ -158,7 +159,7 @@ TEST(GaussNewton, ResidualsThatAreOffTogetherCountAsOne) {
   const Matched scattered(pose, {2000, 1.0, 1.0}, kSeed);
   Matched together(pose, {2000, 1.0, 0.0}, kSeed);
   for (std::int64_t i = 0; i < together.matches.count(); ++i) {
-    // A wave of 200 px and 1.4 px across the sheet, which no bending explains.
+    // A wave of 200 px and 1.4 px across the surface, which no bending explains.
     const double phase = 0.0314 * together.matches.image_px(i, 0);
     together.matches.image_px(i, 1) += 1.4 * std::sin(phase);
   }
@@ -189,7 +190,8 @@ TEST(GaussNewton, AnAssumedFocalLengthMakesDepthsUncertain) {
 }
 
 TEST(GaussNewton, BothBendsArePossibleWhereTheSheetIsFarAway) {
-  // From so far there is no perspective, and a sheet that bends to the other side looks the same.
+  // At this distance there is no perspective, and a surface that bends to the other side looks the
+  // same.
   std::cout << "seed " << kSeed << "\n";
   Matched matched({0.12, {0.6, 0, 0, 0, 0, 0}}, {100, 1.0, 0.0}, kSeed);
   Scene& scene = matched.scene;
@@ -259,9 +261,25 @@ TEST(GaussNewton, ContinuesFromThePreviousShape) {
   EXPECT_EQ(shape.shape_state(), ShapeState::estimated);
 }
 
+TEST(GaussNewton, AnObjectThatIsCurvedAtRestAlsoBeginsFromItsPosedRestShape) {
+  const BentPose posed{0.06, {0.6, 0, 0, 0.3, 0, 0}};
+  Matched matched(posed, {300, 1.0, 0.5}, kSeed);
+  matched.scene.templ.vertices_m = make_array<double>(testing::bent_vertices(
+      matched.scene.templ,
+      testing::make_cylinder(reference_sheet(), posed.radius_m, 0.3, {0, 0, 0, 0, 0, 0})));
+  // The nested guess is the rest shape without its tilt, from which the solver ends elsewhere or at
+  // a higher energy.
+  PluginUnderTest plugin(kId, "{initial_guess: {use: solvers/initial_guess, shape: frontal}}");
+  const Shape shape = given(matched.run(plugin));
+  EXPECT_EQ(shape.diag.value("start", -1.0), 4.0);
+  EXPECT_GE(shape.diag.value("starts_tried", 0.0), 2.0);
+  EXPECT_EQ(shape.shape_state(), ShapeState::estimated);
+  EXPECT_LT(1e3 * matched.scene.mean_error_m(shape), 0.5);
+}
+
 TEST(GaussNewton, TriesNoOtherStartThanThePreviousShapeWhereItGoesOn) {
   const Matched matched({0.25, {0.6, 0, 0, 0, 0, 0}}, {300, 1.0, 0.0}, kSeed);
-  // Half of the sheet's size aside: taken for an object that jumped.
+  // Half of the surface's size aside: taken for an object that jumped.
   const Shape previous = shape_of(Scene::bent(0.3, {0.6, 0.15, 0, 0, 0, 0}).truth_m);
   const auto starts_tried = [&](const char* params) {
     PluginUnderTest plugin(kId, params);
@@ -369,7 +387,7 @@ TEST(GaussNewtonDegenerate, KnownPointsFartherThanTheSurfaceAllowsAreRelaxed) {
   PluginUnderTest plugin(kId);
   const PluginAnswer out = matched.run(plugin, nullptr, &known);
   EXPECT_EQ(out.status, WEFT_DEGENERATE);
-  EXPECT_THAT(out.message, HasSubstr("further apart than the surface allows"));
+  EXPECT_THAT(out.message, HasSubstr("larger distances than the surface allows"));
 }
 
 }  // namespace

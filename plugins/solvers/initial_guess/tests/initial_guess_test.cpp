@@ -62,7 +62,7 @@ double rms_distance_m(const Points3& a, const Points3& b) {
   return std::sqrt((a - b).rowwise().squaredNorm().mean());
 }
 
-/// Along the rows of the sheet.
+/// Along the rows of the surface.
 double rms_second_difference_m(const Points3& moved_m) {
   constexpr Eigen::Index kColumns = 10;
   double sum = 0.0;

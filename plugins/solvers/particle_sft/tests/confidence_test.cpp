@@ -13,7 +13,7 @@ namespace {
 
 using testing::PluginUnderTest;
 
-/// Correct matches without noise, five for each face of the sheet, moved aside in the image.
+/// Inliers without noise, five for each face of the surface, moved aside in the image.
 Correspondences matches_of(const Scene& scene, double off_px) {
   const int count = 5 * static_cast<int>(scene.templ.faces.rows());
   std::cout << "seed " << kSeed << "\n";

@@ -183,7 +183,7 @@ TEST(ShapeCovariance, LetsTheDistanceErrByWhatTheEdgesShare) {
 }
 
 TEST(ShapeCovariance, DoesNotReadADirectionOffAnEdgeThatIsNotSeen) {
-  // A corner of a flat sheet is not seen, and was placed 3 mm out of its plane.
+  // A corner of a flat surface is hidden, and was placed 3 mm out of its plane.
   Scene scene = Scene::flat();
   scene.truth_m(59, 2) += 0.003;
   std::erase(scene.seen, 59);
@@ -201,7 +201,8 @@ TEST(ShapeCovariance, TellsTheCurvatureOfWhatIsSeen) {
   const ObservedScene observed(bent);
   ShapeCovariance covariance;
   ASSERT_TRUE(covariance.build(observed.mesh));
-  // Of the hinges along, across and askew to the axis of a cylinder of radius 0.25 m, about half.
+  // The mean over hinges along, across and askew to the axis of a cylinder of radius 0.25 m is
+  // about half.
   const double per_m = covariance.curvature_per_m(bent.truth_m, observed.seen());
   EXPECT_GT(per_m, 1.0);
   EXPECT_LT(per_m, 4.0);

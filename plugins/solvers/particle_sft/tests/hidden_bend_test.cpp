@@ -26,7 +26,7 @@ using solvers::HiddenBend;
 
 constexpr int kColumns = 13, kRows = 9;
 
-/// A fine sheet, flat and bent to a cylinder whose rulings are slanted; its last columns are
+/// A fine surface, flat and bent to a cylinder whose rulings are slanted; its last columns are
 /// hidden.
 struct RolledSheet {
   testing::SheetSpec sheet{kColumns, kRows, 0.24, 0.16, 600, 400};
@@ -147,7 +147,7 @@ TEST(HiddenBend, LeavesAShapeOfWhichNothingIsSeen) {
 
 TEST(HiddenBend, IsNotContinuedIntoAFoldThatItWouldTear) {
   RolledSheet scene;
-  // Both ends are seen where a bump of the middle columns brings them; the middle is out of sight.
+  // Both ends are seen where a bump of the middle columns brings them; the middle is hidden.
   const auto folded = [&](double rise_m) {
     Points3 shape_m = scene.templ.vertices_m.matrix<3>();
     for (Eigen::Index v = 0; v < shape_m.rows(); ++v) {
@@ -243,8 +243,7 @@ TEST(HiddenBend, BringsASolverNearerToWhatItCannotSee) {
     return sum;
   };
   EXPECT_LT(hidden_error_m(with.get<Shape>().value()), 0.5 * hidden_error_m(first));
-  const testing::PluginAnswer uncovered =
-      scene.run(plugin);  // in sight, but nothing was recognised
+  const testing::PluginAnswer uncovered = scene.run(plugin);  // visible but not recognised
   ASSERT_EQ(uncovered.status, WEFT_OK) << uncovered.message;
   EXPECT_LT(hidden_error_m(uncovered.get<Shape>().value()), 0.5 * hidden_error_m(first));
 }
@@ -271,8 +270,8 @@ TEST(HiddenBend, AddsEveryVertexWithoutARayToTheHiddenOnes) {
   EXPECT_EQ(nothing_hidden, (std::vector<std::uint8_t>{0, 0, 0, 1, 1}));
 }
 
-/// Half a cylinder at rest that has opened. Its middle six of ten columns have sightlines, its
-/// sides are in sight but nothing is recognised there.
+/// Half a cylinder at rest that has opened. Its middle six of ten columns have sightlines. Its
+/// sides are visible but nothing is recognised there.
 struct OpenedHalfCylinder {
   static constexpr double kRest_m = 0.297 / 3.14159265358979;
   Scene scene;

@@ -24,7 +24,7 @@ Points3 vertices_of(const Shape& shape) { return shape.vertices_m.matrix<3>(); }
 
 double start_of(const Shape& shape) { return shape.diag.value("start", -1.0); }
 
-/// Correct matches without noise.
+/// Inliers without noise.
 Correspondences matches_of(const Scene& scene, int count) {
   std::cout << "seed " << kSeed << "\n";
   Rng rng(kSeed);
@@ -168,8 +168,8 @@ TEST(ParticleSft, LeavesAWrongMinimumByTheConvexStart) {
 }
 
 TEST(ParticleSft, LeavesACornerThatIsFoldedOverThoughAllElseFits) {
-  // Three vertices at a corner begin on their rays, but too near or too deep: they come to rest on
-  // the wrong side of the bend, and the mean strain is as small as it is where all is right.
+  // Three vertices at a corner begin on their rays, but too near or too deep. They converge on the
+  // wrong side of the bend, and the mean strain is as small as in the correct shape.
   struct Corner {
     BentPose bent;
     std::vector<Eigen::Index> vertices;

@@ -23,7 +23,7 @@ void expect_same(const std::vector<Particle>& a, const std::vector<Particle>& b)
   for (std::size_t v = 0; v < a.size(); ++v) EXPECT_EQ(a[v].m, b[v].m) << "particle " << v;
 }
 
-/// One spring after the other, as the equation says.
+/// One spring after the other, as in the equation.
 void pull_together(double half, double rest_length_m, Particle& a, Particle& b) {
   const double dx = b.m[0] - a.m[0], dy = b.m[1] - a.m[1], dz = b.m[2] - a.m[2];
   const double length2 = dx * dx + dy * dy + dz * dz;

@@ -205,10 +205,10 @@ TEST(MeshModel, SmoothingLeavesRigidMotionsAndShrinksKinks) {
   const Scene scene = Scene::flat({0.6, 0.0, 0.0, 0.3, -0.2, 0.5});
   MeshModel mesh;
   ASSERT_TRUE(mesh.build(scene.templ, 1.5));
-  EXPECT_LT((mesh.smoothed(scene.truth_m) - scene.truth_m).cwiseAbs().maxCoeff(), 1e-10);
+  EXPECT_LT((mesh.smoother().smoothed(scene.truth_m) - scene.truth_m).cwiseAbs().maxCoeff(), 1e-10);
   Points3 kinked_m = scene.truth_m;
   kinked_m(9, 2) += 0.05;
-  EXPECT_LT((mesh.smoothed(kinked_m) - scene.truth_m).cwiseAbs().maxCoeff(), 0.03);
+  EXPECT_LT((mesh.smoother().smoothed(kinked_m) - scene.truth_m).cwiseAbs().maxCoeff(), 0.03);
 }
 
 TEST(Fit, KnowsAShapeFromItsMirrorImage) {

@@ -55,7 +55,7 @@ TEST(SmoothModes, AMeshOfFewVerticesHasFewModes) {
   EXPECT_EQ(modes_of(templ.vertices_m.matrix<3>(), templ, 20).values.cols(), 6);
 }
 
-/// Edges and shapes of which the lengths come out for one beta exactly.
+/// Edges and shapes that have the right lengths for exactly one beta.
 struct Posed {
   ObservedShapes observed;
   std::vector<DistanceConstraint> edges;

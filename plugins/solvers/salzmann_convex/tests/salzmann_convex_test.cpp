@@ -33,8 +33,8 @@ TEST(SalzmannConvex, FindsPlanesAndBentSheetsWithinAPercentOfTheDistance) {
   }
 }
 
-/// The flat sheet, folded by an angle along a line across the middle of its cells, so that the mesh
-/// cannot keep its lengths.
+/// The flat surface, folded by an angle along a line across the middle of its cells, so that the
+/// mesh cannot keep its lengths.
 Scene folded_scene(double angle_rad, double noise_px, std::uint64_t seed) {
   Scene scene(1e3, 200, 0.0, seed);
   Rng rng(seed + 1);

@@ -75,7 +75,7 @@ TEST(SalzmannLocal, SmoothsMoreTheMoreBendsCost) {
   EXPECT_LT(before, 0.2);  // nearly flat
 }
 
-/// The flat sheet, folded by an angle along a line across the middle of its cells.
+/// The flat surface, folded by an angle along a line across the middle of its cells.
 Scene sharply_folded_scene(double angle_rad, double noise_px, std::uint64_t seed) {
   Scene scene(1e3, 200, 0.0, seed);
   Rng rng(seed + 1);
@@ -127,7 +127,7 @@ TEST(SalzmannLocal, MoreRoundsKeepMismatchesOut) {
   EXPECT_LT(more_m, 0.006);
 }
 
-/// Leaves out all matches left of a column of the template.
+/// Removes all matches left of a column of the template.
 void hide_left_of(Scene& scene, double border_px) {
   for (std::int64_t i = 0; i < scene.matches.count(); ++i) {
     if (scene.matches.template_px(i, 0) < border_px) scene.matches.kept(i) = 0;
@@ -172,7 +172,7 @@ TEST(SalzmannLocal, AMeshThatIsNoGridHasThePatchesOfItsVertices) {
 
 TEST(SalzmannLocal, APartWithoutMatchesStaysBesideTheOthers) {
   Scene scene(1e4, 300, 0.0, 55);
-  // Without the cells of column 2 the first three columns are a part of their own.
+  // Without the cells of column 2 the first three columns are a separate part.
   Faces faces(scene.templ.faces.rows() - 10, 3);
   std::vector<std::int32_t> face_of(to_index(scene.templ.faces.rows()), -1);
   Eigen::Index next = 0;

@@ -40,7 +40,7 @@ class PlyCloud {
     return {};
   }
 
-  /// Faces may stand before their points, which a mistake of theirs then says.
+  /// Faces may precede their points, which the message of an error in them then states.
   Result<void> take_face(const PlyElement& element, std::int64_t i, const PlyRow& row) {
     const std::vector<double>& indices = row[to_index(element.corners())];
     if (indices.size() < 3) return reader_.mistake(element, i, "a face needs 3 corners: remove it");

@@ -19,8 +19,8 @@ namespace {
 constexpr int kAcross = 41, kAlong = 27;
 constexpr double kWidth_m = 0.15, kHeight_m = 0.1, kTurn_rad = M_PI;
 
-/// Half a cylinder about a direction of its print that is `slant_rad` from upright, chords as long
-/// as arcs. `sag_m` bends its straight lines as well.
+/// Half a cylinder about a direction of its texture that is `slant_rad` from upright, chords as
+/// long as arcs. `sag_m` bends its straight lines as well.
 RestSheet half_cylinder(double slant_rad, double sag_m = 0.0) {
   RestSheet sheet;
   sheet.faces = *rectangular_grid_faces(kAcross, kAlong);
@@ -97,7 +97,7 @@ TEST(CrossSection, LetsAHalfCylinderFollowAllMovementsWithItsLengths) {
         ASSERT_TRUE(moved) << "frame " << frame << ": " << moved.error().message;
       }
       EXPECT_LT(strain_statistics(edges_of(sheet), cloth->vertices_m()).max, 0.002);
-      // It does what it is asked: it is not held back by its lengths.
+      // The surface follows its guides: its lengths do not hold it back.
       double off_m = 0.0;
       for (const scene::ClothGuide& guide : choreography.guides_at(24 / 30.0)) {
         off_m = std::max(

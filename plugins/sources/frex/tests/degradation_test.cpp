@@ -19,7 +19,7 @@ using scene::Picture;
 constexpr Pinhole kCamera{400.0, 400.0, 159.5, 119.5};
 constexpr std::int64_t kHeight_px = 240;
 
-/// Points of a plane 0.5 m before the camera, which move by so many px a second.
+/// Points of a plane 0.5 m in front of the camera, which move by this many px a second.
 Movement moving(const Points2& places_px, const Eigen::Vector2d& speed_px) {
   constexpr double kFrame_s = 0.04;
   Movement movement{{}, {}, {}, kFrame_s};
@@ -45,8 +45,8 @@ Picture grey_picture(int width, int height, float grey) {
 }
 
 TEST(Degradation, ARowIsSeenAtTheTimeAtWhichItIsRead) {
-  // Down by 500 px a second, read in 20 ms: a point of row v is read when it is in row w with
-  // w = v + 500 t and t = 0.02 ((w + 1/2) / 240 - 1/2).
+  // Down by 500 px a second, read in 20 ms. A point of row v is read when it is in row w with w = v
+  // + 500 t and t = 0.02 ((w + 1/2) / 240 - 1/2).
   Points2 places_px(3, 2);
   places_px << 100.0, 20.0, 150.0, 119.5, 200.0, 220.0;
   const Eigen::Vector2d speed_px(300.0, 500.0);

@@ -69,7 +69,7 @@ MapErrors compare_pixels(const GroundTruth& truth, const Pinhole& camera) {
   return worst;
 }
 
-/// Whether a triangle that does not touch the vertex stands between it and the camera, by
+/// True if a triangle that does not touch the vertex is between it and the camera. The test uses
 /// the signed volumes of the ray and the sides of each triangle in turn.
 bool is_hidden(const GroundTruth& truth, std::int32_t vertex) {
   const auto points = truth.points_m.matrix<3>();
@@ -90,8 +90,8 @@ bool is_hidden(const GroundTruth& truth, std::int32_t vertex) {
   return false;
 }
 
-/// Whether a triangle at the vertex shows the camera its printed side, as rectangular_grid_faces()
-/// orders them.
+/// True for each vertex with a triangle that shows the camera its textured side, as
+/// rectangular_grid_faces() orders them.
 std::vector<bool> show_their_print(const GroundTruth& truth) {
   std::vector<bool> shown(to_index(truth.count()));
   for (Eigen::Index f = 0; f < truth.faces.rows(); ++f) {
@@ -107,13 +107,13 @@ std::vector<bool> show_their_print(const GroundTruth& truth) {
 
 struct Agreement {
   int visible = 0, wrongly_visible = 0, wrongly_hidden = 0;
-  int compared = 0;  ///< of the visible vertices, by the map around them
+  int compared = 0;  ///< number of visible vertices, by the map around them
   double worst_px = 0.0;
 };
 
 /// Visibility against a search through all triangles, and the map around the images of the visible
 /// vertices against the vertices. Where the four pixels about a vertex see another part of the
-/// sheet, or nothing, the map cannot be read between them.
+/// surface, or nothing, the map cannot be read between them.
 Agreement compare_vertices(const GroundTruth& truth, const Pinhole& camera) {
   constexpr double kFlat_m = 0.003;  // depths that four pixels of one part have at most
   Agreement result;

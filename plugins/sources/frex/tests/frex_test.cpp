@@ -97,7 +97,7 @@ TEST(Frex, HangsCopiesAsLargeAsIsAskedBesideTheSheet) {
     return SmallFilm("background: look_alike, invisible_frames: [0], noise_grey: 0, " + size)
         .pixels(0);
   };
-  // A sheet at half the distance is twice as large, a copy of half its size the same.
+  // A surface at half the distance is twice as large, a copy of half its size the same.
   const auto copies = wall("distance_m: 1, copy_size: 1");
   EXPECT_EQ(wall("distance_m: 0.5, copy_size: 0.5"), copies);
   EXPECT_NE(wall("distance_m: 1, copy_size: 0.5"), copies);

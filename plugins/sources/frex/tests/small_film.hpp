@@ -17,7 +17,7 @@ namespace weft::testing {
 constexpr int kOpen = 0, kCount = 1, kRead = 2;
 constexpr int kColumns = 40, kRows = 28;
 
-/// Parameters: small and quick, unless the test asks for more; the print is 842 x 595 px.
+/// Parameters: small and quick, unless the test needs more; the texture is 842 x 595 px.
 inline std::string params(const std::string& more) {
   return std::string("{texture: ") + WEFT_TEXTURES +
          "sheet_texture.png, columns: " + std::to_string(kColumns) +

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `weft data make frex` from the sheet to the sequence, as a user calls it.
+// Runs `weft data make frex` from the marker sheet of paper to the sequence, as a user calls it.
 #include <gmock/gmock.h>
 
 #include <filesystem>
@@ -26,7 +26,7 @@ class FrexCommand : public ::testing::Test {
     words.insert(words.end(), more.begin(), more.end());
     return weft(std::move(words));
   }
-  /// A film of the printed sheet `name`.png, and its camera.
+  /// A film of the printed paper `name`.png, and its camera.
   void film(const std::string& name) const {
     PluginUnderTest source("sources/synthetic", "{texture: '" + folder_.path(name + ".png") +
                                                     "', width_m: 0.297, frames: 3}");
@@ -67,7 +67,7 @@ TEST_F(FrexCommand, TexturesAFilmOfThePrintedSheet) {
   EXPECT_EQ(info.exit_code, 0) << info.err;
   EXPECT_THAT(info.out, AllOf(HasSubstr("surface: 3 frames"), HasSubstr("all frames can be read")));
 
-  // Another sheet's layout: no frame has the sheet, and nothing is left.
+  // The layout of other markers: no frame has them, and nothing is left.
   fs::remove_all(folder_.path("made"));
   ASSERT_EQ(print_sheet("other.pdf", {"--seed", "4"}).exit_code, 0);
   const Ended strange = texture_film("other.yaml", "poster.png");

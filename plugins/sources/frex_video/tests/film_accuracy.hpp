@@ -11,7 +11,8 @@
 
 #include "filmed_sheet.hpp"
 
-/// What sources/frex_video makes of a film of the sheet of markers, against what is known exactly.
+/// Compares the output of sources/frex_video for a film of the marker sheet of paper with the exact
+/// ground truth.
 namespace weft::testing {
 
 inline constexpr double kPosterPitch_mm = 0.25;
@@ -47,7 +48,7 @@ inline std::vector<double> truth_errors_mm(const FilmedSheet& filmed, std::span<
   return errors_mm;
 }
 
-/// That a print put onto the film looks as if it had been filmed itself.
+/// Expects that a texture put onto the film looks as if it had been filmed itself.
 inline void expect_the_print_as_if_filmed(FilmedSheet& sheet_film, std::span<const int> frames,
                                           std::size_t least_pixels) {
   OpenedSource made(sheet_film.scene(", ambient: 1, noise_grey: 0, blur_px: 0", ", noise_grey: 0"));
@@ -87,7 +88,7 @@ inline void expect_the_print_as_if_filmed(FilmedSheet& sheet_film, std::span<con
   EXPECT_LE(percentile(flow_px, 99.0), 0.7);
 }
 
-/// That the surface is known better than each marker by itself.
+/// Expects that the surface is more accurate than each marker by itself.
 inline void expect_the_surface_to_be_known(const FilmedSheet& filmed, std::span<const int> frames) {
   const std::vector<double> surface_mm = truth_errors_mm(filmed, frames, "surface");
   const std::vector<double> markers_mm = truth_errors_mm(filmed, frames, "markers");

@@ -42,8 +42,8 @@ inline cv::Mat blots(int width, int height) {
   return picture;
 }
 
-/// A sheet of markers that sources/synthetic films: 640 x 480 px, f = 820 px, 0.6 m away, moving
-/// and bending, with a truth that is known in closed form.
+/// A sheet of paper with markers that sources/synthetic films: 640 x 480 px, f = 820 px, 0.6 m
+/// away. It moves and bends, with a ground truth in closed form.
 class FilmedSheet {
  public:
   static constexpr int kTexelsPerMm = 6;
@@ -59,7 +59,7 @@ class FilmedSheet {
     motion.centre_m = {0.1485 - 0.5 * kPitch_m, 0.105 - 0.5 * kPitch_m};
   }
 
-  /// Parameters of a synthetic film of a print.
+  /// Parameters of a synthetic film of a texture.
   std::string film(const std::string& print, const std::string& more = "") const {
     return "{texture: '" + folder.path(print) + "', width_m: 0.297, height_m: 0.21, frames: 200" +
            more + "}";
@@ -72,10 +72,10 @@ class FilmedSheet {
            folder.path("poster.png") + "'" + more + "}";
   }
 
-  /// The sheet as it truly is in a frame.
+  /// The true shape of the paper in a frame.
   DevelopableSheet true_sheet(int frame) const { return *motion.at(frame / 30.0); }
 
-  /// The place of a point of such a sheet, mm from its top left corner.
+  /// The place of a point of such a paper, mm from its top left corner.
   static Eigen::Vector3d point_m(const DevelopableSheet& sheet, const Eigen::Vector2d& point_mm) {
     const Eigen::Vector2d xy_m = (0.001 * point_mm).array() - 0.5 * kPitch_m;
     return sheet.at(xy_m.x(), xy_m.y());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole way: a film of the sheet of markers whose true shape is known in closed form, made by
-// sources/synthetic, becomes a scene with another print.
+// Converts a film of paper with markers, whose true shape is known in closed form, into a scene
+// with another texture. sources/synthetic makes the film.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -71,7 +71,7 @@ TEST_F(FrexVideo, GivesATruthThatAgreesWithItself) {
     ++compared;
     const Eigen::Vector2d own_mm = 1000.0 * truth.template_xy_m.matrix<2>().row(k).transpose();
     // The pixel's centre is up to half a pixel in x and in y from the projection, 1.4 mm for both
-    // where the sheet is seen obliquely.
+    // where the paper is seen obliquely.
     EXPECT_LT((seen_mm - own_mm).norm(), 1.4) << k;
     EXPECT_NEAR(truth.depth_m(y, x), point.z(), 0.0015) << k;
   }
@@ -157,7 +157,7 @@ TEST_F(FrexVideo, PutsPicturesOfAnyShapeInTheMiddleOfWhitePaper) {
   const PluginAnswer frame = source.frame(0);
   ASSERT_EQ(frame.status, WEFT_OK) << frame.message;
   const cv::Mat3b picture = view(frame.get<Image>()->pixels);
-  // 105 mm of 297 mm wide, in the middle of a sheet that is 405.9 px wide.
+  // 105 mm of 297 mm wide, in the middle of paper that is 405.9 px wide.
   EXPECT_EQ(picture(240, 320), cv::Vec3b::all(0));
   EXPECT_NEAR(cv::countNonZero(picture.row(240).reshape(1) < 128) / 3.0, 820 * 0.105 / 0.6, 2.0);
   EXPECT_EQ(picture(240, 180), cv::Vec3b::all(255));

@@ -17,7 +17,7 @@ using testing::PluginUnderTest;
 
 constexpr double kPxPerMm = 820.0 / 600.0;
 
-/// The sheet seen flat and from the front at 0.6 m, and its layout.
+/// The paper seen flat and from the front at 0.6 m, and its layout.
 class FrontalSheet : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -159,7 +159,7 @@ TEST(Layout, NamesThePlaceOfAMistake) {
       {head + "markers: []\nmarkers: []\n", "given twice"},
       {head + "markers: []\nscale: 2\n", "'scale' is unknown"},
       {head + "markers:\n  - {" + one + "[0, 10]]}\n  - {" + one + "[0, 10]]}\n", "id 1"},
-      {head + "markers:\n  - {" + one + "[0, 60]]}\n", "outside the sheet"},
+      {head + "markers:\n  - {" + one + "[0, 60]]}\n", "outside the page"},
       {head + "markers:\n  - {" + one + "[0, nan]]}\n", "'corners_mm' must be a number"},
       {head + "markers:\n  - {" + one + "[20, 1]]}\n", "clockwise"},
       {head + "markers:\n  - {id: 1, centre_mm: [5, 6], corners_mm: [[0, 0], [10, 0], [10, 10], "

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The PDF of `weft data make frex --sheet`, read back, against the picture beside it.
+// The PDF of `weft data make frex --sheet`, read back, against the image beside it.
 #include <gmock/gmock.h>
 
 #include <fstream>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kPointsPerMm = 72.0 / 25.4;
 
-/// What stands between the first `before` at or behind `from` and the next `after`.
+/// The text between the first `before` at or behind `from` and the next `after`.
 std::string between(const std::string& text, const std::string& before, const std::string& after,
                     std::size_t from = 0) {
   const std::size_t start = text.find(before, from);
@@ -33,7 +33,7 @@ std::vector<double> numbers(const std::string& text) {
 
 class SheetPage : public ::testing::Test {
  protected:
-  /// The PDF of the sheet of this seed, as text.
+  /// The PDF of the markers of this seed, as text.
   std::string printed(const std::string& name, int seed) const {
     const Ended ended =
         Child({WEFT_PROGRAM, "--plugin-path", WEFT_REAL_PLUGINS, "data", "make", "frex", "--sheet",
@@ -96,7 +96,7 @@ TEST_F(SheetPage, IsAWholePdfAndTheSameBytesForTheSameSeed) {
   EXPECT_EQ(static_cast<double>(between(pdf, "stream\n", "endstream").size()),
             numbers(between(pdf, "/Length ", " >>")).at(0));
   EXPECT_EQ(between(pdf, "Tm (", ") Tj"),
-            "Print at 100 %, without scaling: the bar is 100 mm.   Weft FREX sheet, 100 markers "
+            "Print at 100 %, without scaling: the bar is 100 mm.   Weft FREX page, 100 markers "
             "5x5_250, seed 5");
   EXPECT_EQ(printed("again", 5), pdf);
   EXPECT_NE(printed("other", 6), pdf);

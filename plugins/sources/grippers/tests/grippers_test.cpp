@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kOpen = 0, kRead = 2;
 
-/// A film of a tiny sheet, held by grippers.
+/// A film of a tiny surface, held by grippers.
 class GrippedSheet {
  public:
   explicit GrippedSheet(const std::string& params)
@@ -37,7 +37,8 @@ class GrippedSheet {
   PluginUnderTest plugin_;
 };
 
-/// What each gripper says less what is true [P,3], mm; it must name a true point of the template.
+/// The difference of each gripper from the ground truth [P,3], mm; it must have a true point of the
+/// template.
 Points3 errors_mm(const PluginAnswer& frame) {
   const KnownPoints known = frame.get<KnownPoints>().value();
   const GroundTruth truth = frame.get<GroundTruth>().value();

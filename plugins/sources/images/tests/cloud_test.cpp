@@ -13,7 +13,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-/// A triangle before the camera and a fourth point, as every form can tell them.
+/// A triangle in front of the camera and a fourth point, which every format can express.
 constexpr double kCloudPoints[4][3] = {
     {0.01, 0.02, 0.5}, {0.25, -0.125, 0.625}, {-0.5, 0.75, 1.5}, {0.0, 0.0, 0.375}};
 

@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Depth that tells each pixel from its neighbours; 0 in the left column.
+/// Depth in which each pixel differs from its neighbours; 0 in the left column.
 cv::Mat depth_of(const cv::Size& size) {
   cv::Mat depth(size, CV_16UC1);
   for (int y = 0; y < size.height; ++y) {
@@ -22,7 +22,7 @@ cv::Mat depth_of(const cv::Size& size) {
   return depth;
 }
 
-/// Two frames, of which the second has a depth image.
+/// Two frames; the second has a depth image.
 void fill(const FrameFolder& folder, const cv::Size& size = {8, 6}) {
   folder.write("camera.yaml",
                "{fx: 900, fy: 900, cx: 4, cy: 3, width: " + std::to_string(size.width) +

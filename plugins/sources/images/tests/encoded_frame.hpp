@@ -8,8 +8,8 @@
 
 namespace weft::testing {
 
-/// The bytes of a colour image of 8 x 6 px with this blue value everywhere, in the format that the
-/// extension of `name` says.
+/// The bytes of a colour image of 8 x 6 px with this blue value everywhere, in the format of the
+/// extension of `name`.
 inline std::string encoded_frame(const std::string& name, int blue) {
   std::vector<std::uint8_t> bytes;
   const cv::Mat image(6, 8, CV_8UC3, cv::Scalar(blue, 20, 30));

@@ -37,7 +37,7 @@ void append(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary | std::ios::app) << bytes;
 }
 
-/// Another program, which does one step each time the source asks whether to go on.
+/// Simulates another program, which does one step each time the source checks for cancellation.
 class Recorder {
  public:
   using Steps = std::vector<std::function<void()>>;
@@ -99,7 +99,7 @@ class GrowingFolderSource : public ::testing::Test {
     EXPECT_EQ(count->frames, -1);
     EXPECT_EQ(count->live, 1);
   }
-  /// Of the frame's first pixel; -1 where there is no frame.
+  /// Blue value of the frame's first pixel; -1 where there is no frame.
   static int blue_of(PluginUnderTest& source, std::uint64_t frame) {
     const PluginAnswer answer = source.process(kRead, {}, frame);
     EXPECT_EQ(answer.status, WEFT_OK) << frame << ": " << answer.message;
@@ -273,7 +273,7 @@ TEST_F(GrowingFolderSource, EndsWithAnErrorWhereAllThatCameSortsBeforeTheLastFil
   const PluginAnswer end = source.process(kRead, {}, 1);
   EXPECT_EQ(end.status, WEFT_ERROR);
   EXPECT_THAT(end.message, AllOf(HasSubstr("but 2 that sort before 9.png"),
-                                 HasSubstr("in the order in which they come")));
+                                 HasSubstr("in the order in which they arrive")));
   EXPECT_EQ(source.process(kRead, {}, 2).status, WEFT_END);
 }
 
@@ -305,7 +305,7 @@ TEST_F(GrowingFolderSource, RefusesBeforeAnythingRunsWhatAFolderThatGrowsCannotH
   expect_refused(params(1, "frames"), "path", "is a folder: name its files");
   expect_refused(params(1, "frames/0.png"), "path", "names one file: with 'wait_s' give a pattern");
   expect_refused(params(1, "farmes/*.png"), "path", "does not exist: make it before the run");
-  expect_refused(params(1, "f*/*.png"), "path", "stand in the file name alone");
+  expect_refused(params(1, "f*/*.png"), "path", "may occur in the file name only");
   for (const std::string parameter : {"truth", "depth", "region"}) {
     expect_refused(params(1, "frames/*", ", " + parameter + ": '" + path("*.png") + "'"), parameter,
                    "'" + parameter + "' belongs to frames that are all there");

@@ -88,7 +88,7 @@ TEST(Regions, GoThroughTheLensAsTheirImagesDo) {
   for (std::int64_t y = 0; y < kHeight; ++y) {
     for (std::int64_t x = 0; x < kWidth; ++x) {
       inside += region->mask(y, x);
-      // Bilinear values of the image tell the same side, except those near the middle.
+      // Bilinear values of the image give the same side, except those near the middle.
       const int level = image->pixels(y, x);
       if (level < 100 || level > 155) wrong += (level > 127) != (region->mask(y, x) == 1);
     }

@@ -139,7 +139,7 @@ TEST(TruthParts, HaveOneKindInAFrame) {
 TEST(TruthParts, AreRefusedWithoutAFile) {
   const PartFolder folder;
   folder.write("gt/a_hidden.csv", kCloudHeader + "0,0,1\n");
-  EXPECT_THAT(folder.refusal("visble hidden"), HasSubstr("no truth file is of the part 'visble'"));
+  EXPECT_THAT(folder.refusal("visble hidden"), HasSubstr("no truth file has the part 'visble'"));
   EXPECT_THAT(
       mistakes_of("sources/images", "{path: '" + folder.path("frames/*.png") + "', camera: '" +
                                         folder.path("camera.yaml") + "', truth_parts: hidden}"),

@@ -50,7 +50,7 @@ class Folder {
 class Writer {
  public:
   explicit Writer(const std::string& path) : file_(::open(path.c_str(), O_WRONLY | O_NONBLOCK)) {
-    if (file_ < 0) throw std::runtime_error("nobody reads " + path);
+    if (file_ < 0) throw std::runtime_error("no component reads " + path);
   }
   ~Writer() { ::close(file_); }
   Writer(const Writer&) = delete;
@@ -66,7 +66,7 @@ class Writer {
   int file_;
 };
 
-/// Ten tiny frames of a sheet, 0.1 s apart, with known points of a file or pipe.
+/// Ten tiny frames of a surface, at intervals of 0.1 s, with known points of a file or pipe.
 class Film {
  public:
   static constexpr int kOpen = 0, kCount = 1, kRead = 2;

@@ -205,7 +205,7 @@ TEST(KnownPointSource, APipeThatIsSilentOrHasEndedIsSaidSo) {
   EXPECT_NEAR(only_x_mm(last), 20.0, 1e-9);
   const PluginAnswer after = film.read(4);
   EXPECT_EQ(after.status, WEFT_DEGENERATE);
-  EXPECT_THAT(after.message, HasSubstr("the pipe has ended: the last row is of 0.200000"));
+  EXPECT_THAT(after.message, HasSubstr("the pipe has ended: the last row has time 0.200000"));
   EXPECT_FALSE(after.get<KnownPoints>());
 }
 

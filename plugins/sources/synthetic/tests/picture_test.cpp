@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a film of a bent sheet shows, against the exact surface.
+// Compares a film of a bent surface with the exact surface.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,7 +41,7 @@ std::vector<float> greys(const scene::Picture& picture) {
   return greys;
 }
 
-/// The sheet over black.
+/// The surface over black.
 std::vector<float> render(const scene::Picture& print, const DevelopableSheet& sheet,
                           Pitch pitch_m = kPitch) {
   const SheetMesh mesh(print.width, print.height, pitch_m);
@@ -89,7 +89,7 @@ Eigen::Vector2d imaged_centroid(const DevelopableSheet& sheet, const Eigen::Vect
   return sum / weight;
 }
 
-/// Centroid of the difference to blank paper in the same light, which is the print alone.
+/// Centroid of the difference to blank paper in the same light, which is the texture alone.
 Eigen::Vector2d drawn_centroid(const std::vector<float>& image, const std::vector<float>& blank,
                                const Eigen::Vector2d& near) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -97,7 +97,7 @@ Eigen::Vector2d drawn_centroid(const std::vector<float>& image, const std::vecto
   for (int dy = -9; dy <= 9; ++dy) {
     for (int dx = -9; dx <= 9; ++dx) {
       const Eigen::Vector2d pixel = (near + Eigen::Vector2d(dx, dy)).array().round();
-      if (at(blank, pixel) < 90.0) continue;  // beside the sheet
+      if (at(blank, pixel) < 90.0) continue;  // beside the surface
       const double darkness = 1.0 - at(image, pixel) / at(blank, pixel);
       sum += darkness * pixel;
       weight += darkness;

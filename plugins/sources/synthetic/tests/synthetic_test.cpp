@@ -91,7 +91,7 @@ TEST(SyntheticSource, HasTheNoiseThatIsAsked) {
     ++count;
   }
   ASSERT_GT(count, 200000);
-  // Rounding of both pictures adds 1/12 each.
+  // Rounding of both images adds 1/12 each.
   EXPECT_NEAR(std::sqrt(squares / count), std::sqrt(9.0 + 1.0 / 6.0), 0.03);
   EXPECT_NEAR(sum / count, 0.0, 0.03);
 }

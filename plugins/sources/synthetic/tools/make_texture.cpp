@@ -26,7 +26,7 @@ int main(int argc, char** argv) {
   const int height = argc == 6 ? std::atoi(argv[4]) : 595;
   const auto seed = argc == 6 ? std::strtoull(argv[5], nullptr, 10) : 21;
   if (width < 400 || height < 280 || width > 10000 || height > 10000) {
-    std::cerr << "make_texture: the sheet must have 400 x 280 to 10000 x 10000 px\n";
+    std::cerr << "make_texture: the texture must have 400 x 280 to 10000 x 10000 px\n";
     return 2;
   }
   auto pixels = draw(width, height, seed).pixels();

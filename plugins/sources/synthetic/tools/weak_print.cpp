@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kSheetGrey = 0.9, kMarkGrey = 0.35;
 
-/// Hills of light and shade, far apart.
+/// Hills of light and shade, far from each other.
 void wash(Canvas& canvas, Rng& rng) {
   const double cell = 0.3 * canvas.height();
   const scene::ValueNoise clouds(canvas.width(), canvas.height(), cell, rng);

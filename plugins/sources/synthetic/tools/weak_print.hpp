@@ -7,8 +7,8 @@
 
 namespace weft::texture {
 
-/// Pale paper with large soft shapes and a few small marks: a print with little to match. The same
-/// arguments give the same print.
+/// Pale paper with large soft shapes and a few small marks: a texture with little to match. The
+/// same arguments give the same texture.
 Canvas draw_weak_print(int width, int height, std::uint64_t seed);
 
 }  // namespace weft::texture

@@ -19,7 +19,7 @@ namespace {
 constexpr int kOpen = 0, kRead = 2;
 constexpr double kFocal_px = 150.0, kDistance_m = 0.5;
 
-/// A small film of a sheet, which is flat and faces the camera in frame 0, with matches.
+/// A small film of a surface, which is flat and faces the camera in frame 0, with matches.
 class Film {
  public:
   explicit Film(const std::string& params, const std::string& source = "sources/frex",
@@ -54,7 +54,7 @@ class Film {
   Camera camera_{};
 };
 
-/// Where the flat sheet shows template points [N,2] m, px.
+/// The image points of template points [N,2] m on the flat surface, px.
 Points2 flat_image_px(const Points2& xy_m, const GroundTruth& truth) {
   const auto flat_m = truth.template_xy_m.matrix<2>();
   const Eigen::RowVector2d middle_m =
@@ -181,7 +181,7 @@ TEST(TrueMatches, AWrongCameraIsStatedAndChangesNothingElse) {
 TEST(TrueMatches, WhatIsNotInSightHasNone) {
   EXPECT_EQ(Film("matches: 0").matches(0).count(), 0);
   EXPECT_EQ(Film("matches: 10, covered: 1").matches(0).count(), 0);
-  // So near that the image shows a part of the sheet only.
+  // At this distance the image shows only a part of the surface.
   Film near("matches: 40", "sources/synthetic", ", width_m: 1.0");
   const Points2 image_px = near.matches(0).image_px.matrix<2>();
   ASSERT_EQ(image_px.rows(), 40);

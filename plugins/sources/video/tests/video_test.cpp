@@ -219,7 +219,7 @@ TEST_F(VideoSource, RemovesTheDistortionOfTheLens) {
   };
   EXPECT_EQ(white("null"), kWidth / 4);
   // The edge at 15.5 px is x = -16/60 in the distorted image: x (1 + 0.5 x^2) there is x = -0.2580,
-  // which is 16.0 px; the left border of the image, -31.5/60, comes from x = -0.4722, 3.2 px.
+  // which is 16.0 px. The left border of the image, -31.5/60, comes from x = -0.4722, 3.2 px.
   EXPECT_NEAR(static_cast<double>(white("[0.5, 0, 0, 0, 0]")), 13.0, 1.0);
 }
 
@@ -348,7 +348,7 @@ std::string raw_video(int first, int frames) {
   return text;
 }
 
-/// Pipes that stand for a camera, each with a thread that writes into it once somebody reads.
+/// Pipes that stand for a camera, each with a thread that writes into it once a program reads.
 class PipeSource : public VideoSource {
  protected:
   ~PipeSource() override {
@@ -417,7 +417,7 @@ TEST_F(PipeSource, ACameraThatDoesNotComeBackIsAnErrorAndThenTheEnd) {
 
 TEST_F(PipeSource, APipeWithoutAWriterIsRefused) {
   EXPECT_THAT(refusal("address: '" + new_pipe() + "', timeout_s: 0.05"),
-              AllOf(HasSubstr("pipe0"), HasSubstr("nobody has written")));
+              AllOf(HasSubstr("pipe0"), HasSubstr("no data was written")));
 }
 
 TEST_F(PipeSource, OneOfFileDeviceAndAddressIsGiven) {

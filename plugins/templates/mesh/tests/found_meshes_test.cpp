@@ -61,8 +61,8 @@ class FoundMeshes : public ::testing::Test {
 
 constexpr int kColumns = 14, kRows = 10;
 
-/// A sheet of 2 x kColumns x kRows triangles, each with three vertices of its own, all of whose
-/// numbers are off by up to `off` (vertices: of the diagonal).
+/// A surface of 2 x kColumns x kRows triangles, each with three separate vertices. All their
+/// numbers are off by up to `off` (vertices: share of the diagonal).
 std::string soup(double off, double off_uv, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> shift(-1.0, 1.0);
@@ -128,7 +128,7 @@ TEST_F(FoundMeshes, LoseFacesWithoutAreaWithANote) {
     ASSERT_TRUE(surface) << more << surface.error().message;
     EXPECT_EQ(surface->faces.rows(), 2) << more;
     ASSERT_EQ(file.notes.size(), 1U) << more;
-    EXPECT_EQ(file.notes[0], "1 of 3 faces have no area and are left out");
+    EXPECT_EQ(file.notes[0], "1 of 3 faces have no area and are omitted");
   }
   EXPECT_THAT(welding_refusal("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"),
               HasSubstr("none of the 1 faces has an area"));
@@ -255,7 +255,7 @@ TEST_F(FoundMeshes, HaveOnePicture) {
               "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
               "property int texnumber\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 0\n"
               "3 0 2 3 1\n"),
-      HasSubstr("m.ply:16: the face is in another picture"));
+      HasSubstr("m.ply:16: the face is in another image"));
 }
 
 TEST_F(FoundMeshes, MayHaveColoursAndCountBackwards) {

@@ -134,7 +134,7 @@ TEST(ParsePly, NamesTheLineOrTheElementOfEachMistake) {
        "a.ply:5: the element 'face' is given twice"},
       {"ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int vertex_indices\n"
        "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nend_header\n",
-       "a.ply:9: the element 'face' stands before 'vertex'"}};
+       "a.ply:9: the element 'face' precedes 'vertex'"}};
   for (const auto& [text, reason] : cases) {
     EXPECT_THAT(refusal(parse_ply("a.ply", text)), HasSubstr(reason)) << text;
   }

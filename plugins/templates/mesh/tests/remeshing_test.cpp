@@ -20,8 +20,8 @@ using Keep = std::function<bool(int, int)>;
 constexpr int kColumns = 61, kRows = 41;
 constexpr double kPitch_px = 5.0, kWidth_m = 0.3, kRadius_m = 0.1;
 
-/// A sheet of 60 x 40 cells rolled about the y axis, of which `keep(column, row)` tells those that
-/// belong to it. A texel is 1 mm.
+/// A surface of 60 x 40 cells rolled about the y axis, with the cells that `keep(column, row)`
+/// selects. A texel is 1 mm.
 TexturedMesh rolled(const Keep& keep = [](int, int) { return true; }) {
   TexturedMesh mesh{Points3(kColumns * kRows, 3), Points2(kColumns * kRows, 2), {}};
   for (int v = 0; v < kColumns * kRows; ++v) {
@@ -90,7 +90,7 @@ Eigen::Index euler_number(const TexturedMesh& mesh) {
   return mesh.flat_px.rows() - topology->edges.rows() + mesh.faces.rows();
 }
 
-/// Largest distance, m, of a vertex from where the texture of `dense` says that it is.
+/// Largest distance, m, of a vertex from its place by the texture of `dense`.
 double worst_place_m(const TexturedMesh& dense, const TexturedMesh& mesh) {
   const auto locator = FaceLocator::create(dense.flat_px, dense.faces, 1e-6);
   double worst = 0.0;

@@ -149,14 +149,14 @@ TEST_F(OutlineTemplate, SaysThatAnObjectMayBeCutOff) {
 TEST_F(OutlineTemplate, RefusesAnObjectInSeveralParts) {
   cv::Mat photo = ellipse();
   for (int x = 120; x < 290; x += 12) {
-    for (int y = 100; y < 190; y += 12) {  // what is printed as light as the table
+    for (int y = 100; y < 190; y += 12) {  // parts that are printed as light as the table
       cv::rectangle(photo, {x, y, 9, 9}, cv::Scalar(238, 236, 240), cv::FILLED);
     }
   }
   const std::string path = write("print.png", photo);
   const PluginAnswer outcome = build(path, "length_m: 0.3, smallest_hole: 0");
   EXPECT_EQ(outcome.status, WEFT_ERROR);
-  EXPECT_THAT(outcome.message, HasSubstr("print.png: the object falls apart: "));
+  EXPECT_THAT(outcome.message, HasSubstr("print.png: the object breaks into pieces: "));
   EXPECT_THAT(outcome.message, HasSubstr("smallest_hole: 1 fills the holes"));
   EXPECT_LT(built(path, "length_m: 0.3, smallest_hole: 1").vertices_m.rows(), 200);
 }
@@ -177,8 +177,8 @@ TEST_F(OutlineTemplate, SaysWhatToChangeWhenThereIsNoOutline) {
       {build(empty, "length_m: 0.1"), "table.png: no object stands out"},
       {build(photo, "length_m: 0.1, mask: '" + black + "'"), "mask of the object is empty"},
       {build(photo, "length_m: 0.1, mask: '" + small + "'"), "size of the photograph, 420 x 300"},
-      {build(photo, "length_m: 0.1, spacing_mm: 0.001"), "'spacing_mm' asks for edges"},
-      {build(photo, "length_m: 0.1, vertices: 100000"), "'vertices' asks for edges"}};
+      {build(photo, "length_m: 0.1, spacing_mm: 0.001"), "'spacing_mm' requires edges"},
+      {build(photo, "length_m: 0.1, vertices: 100000"), "'vertices' requires edges"}};
   for (const auto& [outcome, reason] : cases) {
     EXPECT_EQ(outcome.status, WEFT_ERROR) << reason;
     EXPECT_THAT(outcome.message, HasSubstr(reason));

@@ -45,14 +45,14 @@ export function fault_of(corners) {
   for (let k = 0; k < 4; ++k) {
     if (Math.hypot(...side(k)) >= kLeastSide_px) continue;
     const both = `The ${kNames[k]} and the ${kNames[(k + 1) % 4]} corner`;
-    return `${both} are less than ${kLeastSide_px} px apart.`;
+    return `${both} are closer than ${kLeastSide_px} px.`;
   }
   const sines = kNames.map((_, k) => {
     const [to, from] = [side(k + 3), side(k)];
     return (to[0] * from[1] - to[1] * from[0]) / (Math.hypot(...to) * Math.hypot(...from));
   });
   if (sines.every((sine) => sine <= -kLeastSine)) {
-    return "The corners run anticlockwise, which would mirror the sheet.";
+    return "The corners run anticlockwise, which would mirror the object.";
   }
   const wrong = sines.findIndex((sine) => sine < kLeastSine);
   if (wrong < 0) return "";
@@ -79,7 +79,7 @@ class CornerPage {
     this.#one("#sides").setAttribute("viewBox", `-0.5 -0.5 ${width_px} ${height_px}`);
     this.#one("#found").textContent = photograph.corners_px
       ? "The rings stand where the corners were found, or given."
-      : "No sheet was found in this photograph, or not where it was said to be.";
+      : "No object was found in this photograph, or not where it was said to be.";
     this.rings = kNames.map((name, k) => this.#make_ring(name, k));
     this.inputs = kNames.map((name, k) => this.#make_inputs(name, k));
     for (const button of document.querySelectorAll("[data-copies]")) {

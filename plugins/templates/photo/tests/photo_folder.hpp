@@ -21,7 +21,7 @@ inline cv::Mat sheet_print() {
   return print;
 }
 
-/// The map on a sheet of its shape on a table, by a camera of `width` px.
+/// The map on a surface of its shape on a table, by a camera of `width` px.
 inline Still still_of(int width, bool with_lens) {
   Still still;
   still.print = sheet_print();
@@ -62,7 +62,7 @@ class PhotoFolder {
                       line("height", std::to_string(c.height_px)) + line("distortion", lens));
   }
 
-  /// Of photo.png; `more` are further parameters.
+  /// Builds from photo.png; `more` are further parameters.
   testing::PluginAnswer build(const std::string& more) {
     plugins_.push_back(std::make_unique<testing::PluginUnderTest>(
         "templates/photo", "{photo: '" + path("photo.png") + "'" + more + "}"));

@@ -45,7 +45,7 @@ double height_of(const Template& templ) {
   return heights.maxCoeff() - heights.minCoeff();
 }
 
-/// How alike two pictures are once both are 200 px wide and blurred: 1 for the same.
+/// The correlation of two images once both are 200 px wide and blurred: 1 for the same.
 double correlation(const cv::Mat& a, const cv::Mat& b) {
   const auto small = [](const cv::Mat& picture) {
     cv::Mat grey = picture, result;
@@ -173,12 +173,12 @@ TEST(PhotoTemplate, SaysWhichSideIsTheBorderOfThePhotograph) {
   folder.take(still);
   const PluginAnswer answer = folder.build(kSize + folder.with_camera());
   EXPECT_EQ(answer.status, WEFT_DEGENERATE) << answer.message;
-  EXPECT_THAT(answer.message, HasSubstr("the lower side of the sheet is the border"));
+  EXPECT_THAT(answer.message, HasSubstr("the lower side of the object is the border"));
   const double seen_m = still.height_m - 40.5 * still.distance_m / camera.fy;
   EXPECT_NEAR(height_of(built(answer)) / seen_m, 1.0, 0.01);
 }
 
-/// A JPEG file that says in its EXIF data how it is to be turned.
+/// A JPEG file whose EXIF data specify an orientation.
 void write_turned_jpeg(const PhotoFolder& folder, const cv::Mat& picture, char orientation) {
   std::vector<std::uint8_t> jpeg;
   cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, 95});
@@ -231,7 +231,7 @@ TEST(PhotoTemplate, SaysWhatToChangeWhereASheetCannotBe) {
     return answer.message;
   };
   EXPECT_THAT(mistake(""),
-              AllOf(HasSubstr("photo.png: no sheet is found"), HasSubstr("'corners'")));
+              AllOf(HasSubstr("photo.png: no object is found"), HasSubstr("'corners'")));
   EXPECT_THAT(mistake(folder.with_camera()),
               AllOf(HasSubstr("is 320 x 240 px, but"), HasSubstr("640 x 480 px")));
   EXPECT_THAT(mistake(", corners: [10, 10, 400, 12, 200, 200, 10, 200]"),

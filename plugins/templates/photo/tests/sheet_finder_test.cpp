@@ -102,7 +102,7 @@ TEST(FindSheet, FindsASheetInTwoHands) {
   }
 }
 
-/// Moved so that the right side of the sheet lies `beyond_px` to the right of the photograph's.
+/// Moved so that the right side of the surface lies `beyond_px` to the right of the photograph's.
 Still at_the_border(double beyond_px) {
   Still still = still_of(640, false);
   const Camera& camera = still.camera.camera;
@@ -140,7 +140,7 @@ TEST(FindSheet, SaysWhatToDoWhereThereIsNoSheet) {
     const Photograph photo = photograph_of(still);
     const auto found = find_sheet(photo);
     ASSERT_FALSE(found);
-    EXPECT_THAT(found.error().message, HasSubstr("no sheet is found"));
+    EXPECT_THAT(found.error().message, HasSubstr("no object is found"));
     EXPECT_THAT(found.error().message, HasSubstr("give 'corners'"));
     EXPECT_FALSE(find_sheet(photo, Missing::to_hands));
     EXPECT_FALSE(find_sheet(photo, Missing::one_side));

@@ -65,7 +65,7 @@ TEST(CheckCorners, SaysWhatIsWrongWithThem) {
   EXPECT_THAT(mistake_of({a, b, d, c}), HasSubstr("two sides cross"));
   EXPECT_THAT(mistake_of({a, b, {40, 30}, d}), HasSubstr("not convex at the bottom right corner"));
   EXPECT_THAT(mistake_of({a, b, {60, 50}, {11, 87}}), HasSubstr("on a line"));
-  EXPECT_THAT(mistake_of({a, b, b, d}), HasSubstr("less than 16 px apart"));
+  EXPECT_THAT(mistake_of({a, b, b, d}), HasSubstr("closer than 16 px"));
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   EXPECT_NE(mistake_of({a, {kInfinity, 12}, c, d}), "none");
   EXPECT_NE(mistake_of({a, {std::nan(""), 12}, c, d}), "none");

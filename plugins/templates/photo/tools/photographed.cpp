@@ -18,7 +18,7 @@ Eigen::Matrix3d matrix_of(const Camera& c) {
   return k;
 }
 
-/// Metres on the sheet's plane, from its middle, to ideal px.
+/// Metres on the surface's plane, from its middle, to ideal px.
 Eigen::Matrix3d ideal_from_plane(const Still& still) {
   const Eigen::Matrix3d turned = (Eigen::AngleAxisd(still.roll_rad, Eigen::Vector3d::UnitZ()) *
                                   Eigen::AngleAxisd(-still.tilt_rad, Eigen::Vector3d::UnitX()) *

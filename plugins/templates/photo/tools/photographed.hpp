@@ -10,32 +10,34 @@
 
 namespace weft::photo {
 
-/// What lies under the sheet.
+/// The background below the surface.
 enum class Table { plain, wood };
 
-/// A flat sheet on a table and the camera before it.
+/// A flat surface on a table, and the camera in front of it.
 struct Still {
-  cv::Mat print;           ///< [H,W,3] BGR u8, on the sheet within its margin
-  double width_m = 0.297;  ///< of the sheet, margin included
+  cv::Mat print;           ///< [H,W,3] BGR u8, on the surface within its margin
+  double width_m = 0.297;  ///< width of the surface, margin included
   double height_m = 0.21;
-  double margin_m = 0.0;  ///< white paper around the print
+  double margin_m = 0.0;  ///< white paper around the texture
   double paper_grey = 245.0;
   double table_grey = 110.0;
   Table table = Table::plain;
   cameras::CameraFile camera{};
-  double distance_m = 0.45;  ///< from the camera to the middle of the sheet
-  double tilt_rad = 0.0;     ///< of the sheet about its horizontal axis, the upper side going away
+  double distance_m = 0.45;  ///< from the camera to the middle of the surface
+  double tilt_rad = 0.0;     ///< tilt of the surface about its horizontal axis, the upper side
+                             ///< going away
   double turn_rad = 0.0;     ///< about its vertical axis, before
   double roll_rad = 0.0;     ///< about the optical axis, clockwise, after both
-  Eigen::Vector2d aside_m = Eigen::Vector2d::Zero();  ///< of its middle from the optical axis
+  Eigen::Vector2d aside_m = Eigen::Vector2d::Zero();  ///< offset of its middle from the optical
+                                                      ///< axis
   double noise_grey = 1.5;
-  std::uint64_t seed = 1;  ///< of the noise
+  std::uint64_t seed = 1;  ///< seed of the noise
 };
 
-/// What the camera sees: each pixel is the mean of 3 x 3 places in it; BGR.
+/// The image of the camera: each pixel is the mean of 3 x 3 places in it; BGR.
 cv::Mat photographed(const Still& still);
 
-/// The sheet's corners in px of the ideal pinhole, or of the photograph.
+/// The surface's corners in px of the ideal pinhole, or of the photograph.
 Corners true_corners(const Still& still);
 Corners true_corners_seen(const Still& still);
 

@@ -102,7 +102,7 @@ TEST_F(RectangularTemplate, SpansTheTextureFromEdgeToEdge) {
 }
 
 TEST_F(RectangularTemplate, CountsFromTheCentreOfTheFirstTexelWhenAsked) {
-  // The sheet of the Kinect paper sequence: 420 x 297 mm at 2 px a mm, 15 x 11 vertices.
+  // The paper of the Kinect paper sequence: 420 x 297 mm at 2 px a mm, 15 x 11 vertices.
   const std::string texture = write("t.png", cv::Mat::zeros(594, 840, CV_8UC3));
   const Template templ =
       built(texture, ", width_m: 0.42, columns: 15, rows: 11, texel_origin: centre");

@@ -72,7 +72,8 @@ struct WarpBench {
   Template templ = testing::make_template(kSheet);
 };
 
-/// That a warp to matches which determine no affine map is what they do determine, and flagged.
+/// Expects that matches which determine no affine map give the map that they do determine, and that
+/// the warp is flagged.
 inline void expect_guesses(WarpBench& bench) {
   const Map similarity = [](double u, double v) {
     return Eigen::RowVector2d(200.0 + 0.4 * u - 0.3 * v, 20.0 + 0.3 * u + 0.4 * v);

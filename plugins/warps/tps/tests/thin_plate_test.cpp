@@ -138,7 +138,7 @@ TEST(ThinPlate, PredictsEachValueAsAFitWithoutItWould) {
       others.values_px.conservativeResize(29, 2);
     }
     others.weights.resize(29);
-    // Lambda counts matches, and bending in units of the extent, which the one left out changes
+    // Lambda counts matches, and bending in units of the extent, which the omitted match changes
     // too.
     const double scale_px = fit_at_matches(others.samples(), kLambda)->spline.scale;
     const double smaller = fitted->spline.scale / scale_px;

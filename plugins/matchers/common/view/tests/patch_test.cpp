@@ -11,13 +11,13 @@ namespace {
 constexpr int kSide_px = 40, kPlace_px = 14;
 constexpr float kReach_px = 3.0F;
 
-/// A print that is smooth enough to be read between its pixels.
+/// A texture that is smooth enough for reading between its pixels.
 double print_at(double x, double y) {
   return 20.0 * std::sin(0.61 * x + 0.27 * y) + 17.0 * std::cos(0.33 * x - 0.72 * y) +
          9.0 * std::sin(0.9 * x) * std::cos(0.8 * y);
 }
 
-/// The print moved by (dx,dy), under a light: `gain` in the middle, more by `shade` a pixel.
+/// The texture moved by (dx,dy), under a light: `gain` in the middle, more by `shade` a pixel.
 Picture picture(double dx, double dy, double gain, double shade_x, double shade_y) {
   Picture result;
   result.resize(kSide_px, kSide_px);

@@ -15,13 +15,13 @@
 
 namespace weft::view {
 
-/// A printed sheet before a camera, drawn by formula.
+/// A textured surface in front of a camera, rendered by formula.
 struct PrintedScene {
   testing::SheetSpec sheet{.columns = 13, .rows = 9, .width_px = 900, .height_px = 539};
   Camera camera = testing::make_camera();
   Template templ = printed();
 
-  /// Blots of many sizes: a print without repetition.
+  /// Blots of many sizes: a texture without repetition.
   Template printed(std::uint64_t seed = 5) const {
     Template made = testing::make_template(sheet);
     made.revision = 11;
@@ -51,7 +51,7 @@ struct PrintedScene {
     return testing::make_cylinder(sheet, radius_m, 0.4, pose);
   }
 
-  /// Each texel is spread over the four pixels around its place, with bilinear weights: the sheet
+  /// Each texel is spread over the four pixels around its place, with bilinear weights: the surface
   /// is seen at about half the size of its texture. Noise of 1.5 grey levels.
   Image image_of(const DevelopableSheet& bent_sheet, Rng& rng) const {
     const std::int64_t width = camera.width_px, height = camera.height_px;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "frontal_start.hpp"
+#include "frontal_guess.hpp"
 
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
@@ -11,7 +11,7 @@ namespace weft::gauss_newton {
 namespace {
 
 constexpr int kRounds = 20;
-constexpr double kLeastDistancePx = 0.5;  // of a weight; nearer ones count alike
+constexpr double kLeastDistancePx = 0.5;  // least distance in a weight; nearer ones count alike
 constexpr double kFlattest = 1e-3;        // least spread of the observations over the largest
 
 /// x, y and front of the plane of a mesh, as rows, right-handed.
@@ -31,7 +31,7 @@ Eigen::Matrix3d plane_of(const MeshModel& mesh) {
 
 }  // namespace
 
-std::optional<Points3> frontal_start(const FrameData& frame, const MeshModel& mesh) {
+std::optional<Points3> frontal_guess(const FrameData& frame, const MeshModel& mesh) {
   const Eigen::Matrix3d plane = plane_of(mesh);
   const Eigen::RowVector3d middle_m = mesh.rest_m.colwise().mean();
   const auto count = static_cast<Eigen::Index>(frame.observations.size());

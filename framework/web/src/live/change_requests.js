@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wishes on their way to the run: of each key the last one, and one at most under way.
+// Change requests on their way to the run: of each key the last one, and one at most under way.
 
 const kDelay_ms = 120;
 const kTimers = {
@@ -7,7 +7,7 @@ const kTimers = {
   stop: (timer) => clearTimeout(timer),
 };
 
-export class Wishes {
+export class ChangeRequests {
   #send;
   #later;
   #number = 0;
@@ -40,12 +40,12 @@ export class Wishes {
   }
 
   answer({ number, frame, refusal }) {
-    const wish = this.#under_way.get(number);
-    if (!wish) return;
+    const request = this.#under_way.get(number);
+    if (!request) return;
     this.#under_way.delete(number);
-    wish.told({ outcome: refusal ? "refused" : "granted", frame, refusal });
-    const next = this.#waiting.get(wish.key);
-    if (next && !next.timer) this.#due(wish.key);
+    request.told({ outcome: refusal ? "refused" : "granted", frame, refusal });
+    const next = this.#waiting.get(request.key);
+    if (next && !next.timer) this.#due(request.key);
   }
 
   /** The connection is gone, and with it the answers. */
@@ -61,22 +61,22 @@ export class Wishes {
   }
 
   #busy(key) {
-    return [...this.#under_way.values()].some((wish) => wish.key === key);
+    return [...this.#under_way.values()].some((request) => request.key === key);
   }
 
   #due(key) {
-    const wish = this.#waiting.get(key);
+    const request = this.#waiting.get(key);
     if (this.#busy(key)) {
-      wish.timer = null;
+      request.timer = null;
       return;
     }
     this.#waiting.delete(key);
-    this.#go(key, wish.text, wish.told);
+    this.#go(key, request.text, request.told);
   }
 
   #go(key, text, told) {
     const number = ++this.#number;
-    if (!this.#send({ type: "wish", number, text })) {
+    if (!this.#send({ type: "change_request", number, text })) {
       told({ outcome: "unsent" });
       return;
     }
