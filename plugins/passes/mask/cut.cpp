@@ -105,6 +105,22 @@ Cut cut_out(const cv::Mat& bgr, const Seeds& seeds, int iterations) {
   return cut;
 }
 
+cv::Mat smooth_out(int radius, cv::Mat& object) {
+  const cv::Mat disc =
+      cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1});
+  cv::Mat smooth, rough;
+  cv::morphologyEx(object, smooth, cv::MORPH_OPEN, disc);
+  cv::morphologyEx(smooth, smooth, cv::MORPH_CLOSE, disc);
+  rough = smooth ^ object;
+  // What one pixel differs in is the grid.
+  cv::morphologyEx(rough, rough, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {2, 2}));
+  cv::dilate(
+      rough, rough,
+      cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * kWithoutEdge + 1, 2 * kWithoutEdge + 1}));
+  object = smooth;
+  return rough;
+}
+
 cv::Mat without_edge(const cv::Mat& object, const cv::Mat& grey, double least_edge, double& share) {
   cv::Mat along_x, along_y, smooth, slope, near;
   cv::GaussianBlur(grey, smooth, {3, 3}, 0.0);

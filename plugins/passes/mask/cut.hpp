@@ -18,6 +18,10 @@ struct Cut {
 /// arguments alone.
 Cut cut_out(const cv::Mat& bgr, const Seeds& seeds, int iterations);
 
+/// Removes bumps and bays that are narrower than 2 `radius` from a cut. Returns where they were,
+/// with their surroundings: u8, 255 there.
+cv::Mat smooth_out(int radius, cv::Mat& object);
+
 /// Where the outline of a cut is not at an edge of the image, and around that: u8, 255 there.
 /// `share` is the share of the outline that is at an edge.
 cv::Mat without_edge(const cv::Mat& object, const cv::Mat& grey, double least_edge, double& share);
