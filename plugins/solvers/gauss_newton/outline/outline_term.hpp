@@ -17,8 +17,8 @@ namespace weft::gauss_newton {
 /// How the outline of a mask counts.
 struct OutlineScales {
   double noise_px = 1.5;     ///< [] px, standard deviation of the outline across itself
-  double outlier_px = 10.0;  ///< [] px, distance from which on a point has no influence
-  double reach_px = 20.0;    ///< [] px, distance at which points are found at first
+  double outlier_px = 4.0;  ///< [] px, distance from which on a point has no influence
+  double reach_px = 40.0;    ///< [] px, distance at which points are found at first
   double share = 1.0;        ///< [] of the weight; 0: the outline does not count
 };
 
