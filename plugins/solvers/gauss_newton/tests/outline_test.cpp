@@ -256,6 +256,18 @@ TEST(OutlineStart, LaysTheTemplateIntoTheMask) {
   EXPECT_LT(sheet.scene.mean_error_m(*start), 0.002);
 }
 
+TEST(OutlinePose, IsTheTemplateLaidIntoTheMask) {
+  const MaskedSheet sheet(1e9, {0.6, 0.02, -0.03, 0.0, 0.0, 0.3});
+  PluginUnderTest solver("solvers/outline_pose");
+  const auto out = solver.process(0, {testing::input("template", sheet.scene.templ),
+                                      testing::input("camera", sheet.scene.camera),
+                                      testing::input("object_mask", sheet.mask)});
+  ASSERT_EQ(out.status, WEFT_OK) << out.message;
+  const Shape shape = *out.get<Shape>();
+  EXPECT_LT(sheet.scene.mean_error_m(shape), 0.002);
+  EXPECT_EQ(shape.shape_state(), ShapeState::weak);
+}
+
 /// The solver, given a mask.
 struct Masked {
   PluginUnderTest plugin;
