@@ -17,7 +17,8 @@
 namespace weft::mask {
 namespace {
 
-constexpr int kLeastSide_px = 24;  // of a reduced crop
+constexpr double kLeakReach_px = 10.0;  // beyond the band, in which a cut may leak
+constexpr int kLeastSide_px = 24;       // of a reduced crop
 
 std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
 
@@ -142,6 +143,8 @@ class Mask final : public Pass {
     }
     const int radius = std::max(1, static_cast<int>(std::lround(smoothing_px_ * crop.scale)));
     const cv::Mat rough = smooth_out(radius, made.object);
+    const double reach = (seeds_.band_px + kLeakReach_px) * crop.scale;
+    const cv::Mat alike = near_marked(made.alike, reach);
     double edge_share = 0.0;
     const cv::Mat vague = without_edge(made.object, grey, least_edge_, edge_share);
     if (edge_share < kLeastEdgeShare) {
@@ -149,7 +152,7 @@ class Mask final : public Pass {
     }
     PassOutput out;
     ObjectMask& mask = out.object_mask.emplace(empty_mask(pixels.dim(0), pixels.dim(1)));
-    fill(crop, certainty(made.object, full_grey), seeds.occluded | vague | rough, mask);
+    fill(crop, certainty(made.object, full_grey), seeds.occluded | vague | rough | alike, mask);
     mask.diag.set("overlap", made.overlap);
     mask.diag.set("edge_share", edge_share);
     mask.diag.set("agreement", seeds.agreement);
