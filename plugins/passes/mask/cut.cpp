@@ -11,9 +11,9 @@
 namespace weft::mask {
 namespace {
 
-constexpr int kColours = 5;                 // of a mixture of cv::grabCut
+constexpr int kColours = 5;                 // in a mixture of cv::grabCut
 constexpr double kResolution = 6.0;         // grey levels within which colours are alike
-constexpr std::uint64_t kState = 20240917;  // of OpenCV's generator, from which its clusters start
+constexpr std::uint64_t kState = 20240917;  // state of OpenCV's generator, from which its clusters start
 constexpr int kEdgeReach = 2;               // reduced px from an outline to its edge
 constexpr int kWithoutEdge = 4;             // reduced px around an outline without one
 constexpr int kGuideReach = 5;              // px
@@ -89,7 +89,7 @@ double overlap_of(const Mixture& object, const Mixture& background, const cv::Ma
   return 0.5 * (sum[0] / std::max(count[0], 1.0) + sum[1] / std::max(count[1], 1.0));
 }
 
-/// Seeds of which the other mixture is the likelier one, in groups of four at least.
+/// Seeds that are likelier in the other mixture, in groups of four at least.
 cv::Mat seeds_alike(const Mixture& object, const Mixture& background, const cv::Mat& bgr,
                     const cv::Mat& seeds) {
   cv::Mat found(seeds.size(), CV_8U, cv::Scalar(0));
@@ -139,7 +139,7 @@ cv::Mat smooth_out(int radius, cv::Mat& object) {
   cv::morphologyEx(object, smooth, cv::MORPH_OPEN, disc);
   cv::morphologyEx(smooth, smooth, cv::MORPH_CLOSE, disc);
   rough = smooth ^ object;
-  // What one pixel differs in is the grid.
+  // Differences of one pixel are due to the grid.
   cv::morphologyEx(rough, rough, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {2, 2}));
   cv::dilate(
       rough, rough,

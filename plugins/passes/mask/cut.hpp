@@ -19,7 +19,7 @@ struct Cut {
 /// arguments alone.
 Cut cut_out(const cv::Mat& bgr, const Seeds& seeds, int iterations);
 
-/// Pixels within so many reduced px of those in `marked`: u8, 255 there.
+/// Pixels within `reach` reduced px of those in `marked`: u8, 255 there.
 cv::Mat near_marked(const cv::Mat& marked, double reach);
 
 /// Removes bumps and bays that are narrower than 2 `radius` from a cut. Returns where they were,

@@ -18,7 +18,7 @@ namespace weft::mask {
 namespace {
 
 constexpr double kLeakReach_px = 10.0;  // beyond the band, in which a cut may leak
-constexpr int kLeastSide_px = 24;       // of a reduced crop
+constexpr int kLeastSide_px = 24;       // smallest reduced crop
 
 std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
 

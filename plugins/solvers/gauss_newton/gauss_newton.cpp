@@ -31,7 +31,7 @@ using solvers::Guess;
 constexpr double kLostResidualPx = 6.0;
 // Below this number, matches do not always determine to which side a surface bends.
 constexpr std::size_t kFewObservations = 150;
-// So many neighbouring points of an outline err together.
+// Number of neighbouring points of an outline with the same error.
 constexpr double kOutlineCoherence = 8.0;
 
 /// Robust nonlinear least squares on the vertices: matches against lengths along the surface.

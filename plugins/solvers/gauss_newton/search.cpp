@@ -87,7 +87,7 @@ void ShapeSearch::run(const Frame& frame, Candidate& candidate) {
   expect_bends(frame, vertices_m);
   settle(stage);
   if (!frame.hidden.empty()) expect_bends(frame, vertices_m);
-  if (frame.data.outline.present()) {
+  if (frame.data.outline.present() && scales.outline.share > 0.0) {
     Scales between = stage;
     between.outline.reach_px = std::sqrt(scales.outline.reach_px * scales.outline.outlier_px);
     settle(between);
