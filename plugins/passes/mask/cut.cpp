@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kColours = 5;                 // in a mixture of cv::grabCut
 constexpr double kResolution = 6.0;         // grey levels within which colours are alike
-constexpr std::uint64_t kState = 20240917;  // state of OpenCV's generator, from which its clusters start
+constexpr std::uint64_t kState = 20240917;  // start of OpenCV's generator
 constexpr int kEdgeReach = 2;               // reduced px from an outline to its edge
 constexpr int kWithoutEdge = 4;             // reduced px around an outline without one
 constexpr int kGuideReach = 5;              // px
