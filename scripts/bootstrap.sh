@@ -77,7 +77,7 @@ install_packages() {
 }
 
 # The scripts of reports and of the live page, from the packages that framework/web/package-lock.json fixes.
-# Without a registry reports have tables only, and there is no live page; both say so.
+# Without a registry reports have tables only, and there is no live page; both report it.
 build_scripts() {
   local inputs
   inputs=$(cat framework/web/package-lock.json framework/web/build.mjs framework/web/src/*.* framework/web/src/live/*.js | sha256sum)

@@ -47,7 +47,7 @@ JOBS = [
 ]
 RECORDED = {"kinect_paper", "fidelity"}  # jobs that need $WEFT_DATA
 
-# Of any JSON: what depends on the machine, the moment or the binaries.
+# The content of any JSON that depends on the machine, the moment or the binaries.
 VOLATILE = {"ms", "processor_ms", "machine", "build_id", "library", "libraries", "git", "timing",
             "check", "key", "rebuilt_key", "group", "command", "run", "files"}
 

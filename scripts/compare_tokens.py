@@ -88,7 +88,7 @@ def groups_only(kept: list[Token]) -> bool:
 
 def python_tokens(text: str, strings: bool) -> Iterator[Token]:
     kept: list[Token] = []
-    depth = 0  # of f-strings, which Python 3.12 splits
+    depth = 0  # nesting depth of f-strings, which Python 3.12 splits
     for kind, word, (line, _), _, _ in tokenize.generate_tokens(io.StringIO(text).readline):
         name, inside = tokenize.tok_name[kind], depth > 0
         depth += (name == "FSTRING_START") - (name == "FSTRING_END")

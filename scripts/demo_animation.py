@@ -18,7 +18,7 @@ from pathlib import Path
 
 from PIL import Image
 
-SHOWN_MS = 100  # of each still; every third frame of 30 a second
+SHOWN_MS = 100  # duration of each still; every third frame of 30 a second
 WIDTH_PX = 680
 QUALITY = 40
 MOST_BYTES = 500_000  # as scripts/check_large_files.sh allows

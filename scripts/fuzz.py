@@ -23,7 +23,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build" / "fuzz"
 LIMITS = ["-timeout=10", "-rss_limit_mb=2048", "-malloc_limit_mb=1024"]
-MOST_FINDINGS = 10  # of a target, which then is given up
+MOST_FINDINGS = 10  # findings after which a target is given up
 SANITIZERS = {
     "ASAN_OPTIONS": "detect_leaks=1:allocator_may_return_null=1:strict_string_checks=1",
     "UBSAN_OPTIONS": "halt_on_error=1:print_stacktrace=1",
@@ -70,7 +70,7 @@ def run_once(target: str, seconds: int, seed: int, log: Path, findings: Path) ->
                               check=False).returncode
     text = log.read_text(errors="replace")
     new = [file for file in sorted(set(findings.iterdir()) - before)
-           if not file.name.startswith("slow-unit")]  # told, and no finding below the limit
+           if not file.name.startswith("slow-unit")]  # reported, and no finding below the limit
     if code != 0 and not new and not any(findings.iterdir()):
         raise SystemExit(f"fuzz.py: fuzz_{target} ended with {code} and no finding; see {log}")
     return Outcome(target, last_number(r"stat::number_of_executed_units: *(\d+)", text),

@@ -30,13 +30,13 @@ from typing import Any
 PAGE, FIGURES = "docs/methods.md", "docs/evidence/methods.json"
 BEGIN, END = "<!-- methods -->", "<!-- /methods -->"
 FIX = "write it anew with scripts/method_table.py --write WEFT ROOT"
-# Plans, and what their column says.
+# Plans, and the text of their column.
 COLUMNS = {"solvers_first_test": "FREX, mm", "solvers_folds": "folds, mm",
            "solvers_kinect": "Kinect, mm",
            "solvers_cloth": "cloth, mm", "solvers_curved": "curved, mm", "solvers_times": "ms"}
 # Rows that do not begin with the default start of their solver.
 STARTS = {"particle_sft_flat_start": "`initial_guess`"}
-# What the file of figures says of each row in words.
+# The words of each row in the file of figures.
 WORDS = {"settings": "settings", "verified_against": "verified against"}
 # The groups of the table, in this order.
 GROUPS = ["paper", "reconstruction", "own"]

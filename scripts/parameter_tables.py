@@ -124,7 +124,7 @@ def components_of(weft: str, ids: set[str]) -> dict[str, Component]:
 class Page(NamedTuple):
     lines: list[str]  # with all tables as they must be
     shown: set[str]  # components that have a table
-    mistakes: list[str]  # what --write mends, and what it cannot
+    mistakes: list[str]  # errors that --write corrects, and others
 
 
 def renewed(path: str, lines: list[str], components: dict[str, Component],

@@ -95,7 +95,7 @@ failures=0
 note() { summary+=("$(printf '%-8s %5s s  %s%s' "$1" "$2" "$3" "${4:+ ($4)}")"); }
 
 # step NAME LOG COMMAND...: runs, times and records it; its status is that of the command. The last
-# line of the log may tell more of what succeeded: `summary: RESULT: DETAIL`.
+# line of the log may add details of the success: `summary: RESULT: DETAIL`.
 step() {
   local name=$1 log=$2 start=$SECONDS result=ok detail
   shift 2
@@ -138,7 +138,7 @@ collect_skipped() {
   )
 }
 
-# run_tests PRESET quick|long error|ignore: the last says what no test at all is.
+# run_tests PRESET quick|long error|ignore: the last argument rates an empty set of tests.
 run_tests() {
   local preset=$1 label=$2 none=$3 status=0
   step "$preset $label" "build/$preset/test-$label.log" \

@@ -183,8 +183,7 @@ void Child::listen(const std::function<bool()>& goes_on) {
 }
 
 bool Child::read() {
-  constexpr int kMostReads =
-      64;  // of all that a pipe can hold, and not of what others go on to write
+  constexpr int kMostReads = 64;  // limits the reads to the size of a pipe, since writers may go on
   bool is_new = false;
   for (Pipe& pipe : pipes_) {
     std::array<char, 4096> bytes;

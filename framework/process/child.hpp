@@ -75,7 +75,7 @@ class Child {
   /// Reads what the pipes hold, without waiting. Returns whether that was anything, or an end.
   bool read();
 
-  /// What was read: of stdout, or of the pipe of a copy, and of stderr. What exceeds 64 MiB, or
+  /// The text read from stdout, or from the pipe of a copy, and from stderr. Text beyond 64 MiB, or
   /// `most_bytes`, is dropped.
   std::string& out() { return pipes_[0].text; }
   std::string& err() { return pipes_[1].text; }

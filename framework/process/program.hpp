@@ -15,10 +15,10 @@ struct Answer {
   std::string out, err;
 };
 
-/// Runs a program of the search path to its end; its input is empty, its environment this one's
-/// with `settings` ("NAME=VALUE"). Processes that it leaves behind are not waited for. Of what it
-/// prints 64 MiB are kept. Where it takes longer than `longest`, if that is not zero, it is killed
-/// with all that it has started. Errc::not_found where there is no such program.
+/// Runs a program of the search path to its end. Its input is empty, its environment is this one's
+/// with `settings` ("NAME=VALUE"). Processes that it leaves behind are not waited for. Up to 64 MiB
+/// of its output are kept. If it takes longer than `longest`, unless that is zero, it is killed
+/// with all processes that it has started. Errc::not_found if there is no such program.
 Result<Answer> run_program(const std::vector<std::string>& words,
                            const std::vector<std::string>& settings = {},
                            std::chrono::milliseconds longest = {});

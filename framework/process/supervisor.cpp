@@ -54,7 +54,7 @@ class Supervisor {
     for (std::chrono::nanoseconds tick = kTick;; tick = bound_output() ? kTickOfFlood : kTick) {
       const timespec patience{0, tick.count()};
       const int signal = sigtimedwait(&heard, nullptr, &patience);
-      // The child has a group of its own, which a terminal does not stop.
+      // The child has a separate process group, which a terminal does not stop.
       if (signal == SIGTSTP) kill(-child_, SIGSTOP);
       if (signal == SIGCONT) kill(-child_, SIGCONT);
       if (signal == SIGTERM || getppid() != parent_) {
@@ -92,7 +92,7 @@ class Supervisor {
     }
   }
 
-  /// Whether there is no child any more.
+  /// True if no child is left.
   static bool reap_all() {
     int status = 0;
     pid_t ended = 0;
@@ -124,7 +124,7 @@ class Supervisor {
     return own > kMostProcesses;
   }
 
-  /// Whether much was printed since the last time.
+  /// True if much output was printed since the last call.
   static bool bound_output() {
     struct stat status {};
     if (fstat(STDOUT_FILENO, &status) != 0 || !S_ISREG(status.st_mode)) return false;

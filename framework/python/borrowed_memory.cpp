@@ -11,7 +11,7 @@ struct Element {
   Py_ssize_t bytes;
 };
 
-/// By weft_dtype.
+/// Indexed by weft_dtype.
 constexpr Element kElements[] = {{nullptr, 0}, {"B", 1}, {"b", 1}, {"H", 2}, {"h", 2},
                                  {"i", 4},     {"l", 8}, {"f", 4}, {"d", 8}};
 

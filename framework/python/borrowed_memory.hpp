@@ -12,7 +12,7 @@ namespace weft::python {
 struct BorrowedMemory {
   PyObject ob_base;
   void* data;
-  const char *slot, *name;  ///< of the array; valid until the call returns
+  const char *slot, *name;  ///< name of the array; valid until the call returns
   const char* format;       ///< as of Python's module struct
   Py_ssize_t item_bytes, bytes, views;
   int ndim;  ///< [] number of axes

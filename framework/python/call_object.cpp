@@ -10,7 +10,7 @@
 namespace weft::python {
 namespace {
 
-/// What Python sees of a call: weft.given.Call stands before it.
+/// The Python object of a call, wrapped by weft.given.Call.
 struct CallObject {
   PyObject ob_base;
   CallScope* scope;  ///< null when the call is over

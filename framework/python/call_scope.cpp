@@ -23,7 +23,7 @@ class PassedRecords {
   PassedRecords(const PassedRecords&) = delete;
   PassedRecords& operator=(const PassedRecords&) = delete;
 
-  /// Of [(slot, type, revision, producer, [(name, dtype, array)])]; false with an exception.
+  /// Reads [(slot, type, revision, producer, [(name, dtype, array)])]; false with an exception.
   bool read(PyObject* list) {
     const Py_ssize_t count = PyList_Size(list);
     arrays_.reserve(count > 0 ? static_cast<std::size_t>(count) : 0);
@@ -113,7 +113,7 @@ std::string CallScope::take_back() {
   const auto is_seen = [](const Ref& memory) { return memory_in(memory.get()).views > 0; };
   auto kept = std::find_if(borrowed_.begin(), borrowed_.end(), is_seen);
   if (kept != borrowed_.end()) {
-    PyGC_Collect();  // what nobody can reach is no view
+    PyGC_Collect();  // unreachable objects are no views
     kept = std::find_if(kept, borrowed_.end(), is_seen);
   }
   std::string name;

@@ -25,7 +25,7 @@ class CallScope {
   Ref records(const weft_record* records, std::uint64_t count);
   Ref inputs() { return records(inputs_, input_count_); }
 
-  /// Ends what was lent. Says of which array there are views still, else nothing.
+  /// Ends the loan of the memory. Returns the name of an array that still has views, else nothing.
   std::string take_back();
 
   /// The methods of the call's object; null with an exception.

@@ -11,8 +11,8 @@
 namespace weft::python {
 namespace {
 
-/// Modules in C, such as NumPy's, take the names of the interpreter from those that all of the
-/// process sees, and the host loads a plugin with what it needs out of sight.
+/// Modules in C, such as NumPy's, find the interpreter's symbols in the global scope of the
+/// process. The host loads a plugin and its libraries into a local scope instead.
 void show_interpreter() {
   Dl_info found{};
   if (dladdr(reinterpret_cast<void*>(&Py_IsInitialized), &found) == 0) return;

@@ -12,8 +12,8 @@ namespace weft::python {
 /// leaves locale, signals and working directory alone, and its hashes are the same in each process.
 Result<void> start_interpreter();
 
-/// The module weft.bridge of the library, borrowed; imported, with the author's modules, when it is
-/// first asked for. Call it without the lock of the interpreter.
+/// The module weft.bridge of the library, borrowed. The first call imports it with the author's
+/// modules. Call it without the lock of the interpreter.
 Result<PyObject*> bridge_of(const Library& library);
 
 }  // namespace weft::python

@@ -21,7 +21,7 @@ struct Instance {
   Ref component;
 };
 
-/// What weft.bridge answers.
+/// The answer of weft.bridge.
 struct BridgeAnswer {
   std::int32_t status;
   Error error;  ///< for degenerate its message is the reason
@@ -91,7 +91,7 @@ Ref python_values(const weft_value* values, std::uint64_t count) {
   return dict;
 }
 
-/// What is wrong with a number, or a word, for who declares such a parameter; or empty.
+/// The error of a number or a word, for the author of the parameter's declaration; or empty.
 std::string illegal_value(const weft_value& value, const weft_parameter& declared) {
   if (value.type != declared.default_value.type ||
       value.is_vector != declared.default_value.is_vector) {

@@ -17,7 +17,7 @@ struct Source {
   int is_own;      ///< the author's, not of the package `weft`
 };
 
-/// What the class of a component declares, besides what stands in its weft_component.
+/// Declarations of a component's class beyond those in its weft_component.
 struct Declaration {
   const char* module;
   const char* class_name;
@@ -32,7 +32,7 @@ struct Declaration {
 struct Library {
   const Source* sources;
   std::uint64_t source_count;
-  const Declaration* declarations;  ///< of each component
+  const Declaration* declarations;  ///< declarations of each component
 };
 
 std::int32_t describe(const Declaration& declaration, const weft_describe& sink);
@@ -45,7 +45,7 @@ std::int32_t process(void* self, const weft_call* call, const weft_record* input
 void destroy(void* self);
 const void* extension(const Declaration& declaration, const char* name);
 
-/// The functions of the contract that must know which component they are of.
+/// The functions of the contract that depend on their component.
 template <const Library& kLibrary, int kIndex>
 struct Functions {
   static std::int32_t describe(const weft_describe* sink, weft_error* /*error*/) {

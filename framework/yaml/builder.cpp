@@ -60,7 +60,7 @@ std::size_t last_before(const Text& text, std::size_t offset) {
   }
 }
 
-/// Whether a document end mark (`...`) is the last thing before `offset`, comments apart.
+/// True if only comments follow the last document end mark (`...`) before `offset`.
 bool follows_end_mark(const Text& text, std::size_t offset) {
   const std::size_t start = text.line_start(last_before(text, offset));
   return start < text.line_start(offset) && text.starts_at(start, "...");

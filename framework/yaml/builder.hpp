@@ -51,7 +51,7 @@ class Builder final : public YAML::EventHandler {
     YAML::anchor_t anchor = 0;
     std::size_t offset = 0;  ///< [bytes]
     bool flow = false;       ///< written inside [ ] or { }
-    bool has_key = false;    ///< of a map: the next node is the value of `key`
+    bool has_key = false;    ///< for maps: the next node is the value of `key`
     bool drops_value = false;
     std::string key;
     Position key_at;
@@ -59,7 +59,7 @@ class Builder final : public YAML::EventHandler {
     std::unordered_map<std::string, Position> keys;
   };
 
-  /// What an anchor names.
+  /// The node that an anchor names.
   struct Anchored {
     Node node;
     std::size_t nodes = 0;  ///< [values]

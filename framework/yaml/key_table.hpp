@@ -9,7 +9,7 @@
 
 namespace weft::yaml {
 
-/// What the value of a key must be.
+/// The legal form of a key's value.
 enum class Form : std::uint8_t {
   text,      ///< any scalar
   texts,     ///< a list of these
@@ -18,20 +18,20 @@ enum class Form : std::uint8_t {
   number,    ///< any finite number
   positive,  ///< a number above 0
   choice,    ///< one of `choices`
-  part,      ///< something with a form of its own, called `part`
+  part,      ///< something with a special form, called `part`
 };
 
 /// A key that a map of a file may have. Tables of them are the one list that the strict reader of a
 /// file and its JSON Schema share.
 struct Key {
   std::string name;
-  std::string help;                       ///< half a sentence for who writes the file
-  Form form = Form::text;                 ///< of the value
+  std::string help;                       ///< half a sentence for the author of the file
+  Form form = Form::text;                 ///< form of the value
   std::int64_t low = 0, high = 0;         ///< legal range of an integer, inclusive
   std::vector<std::string> choices = {};  ///< [.] legal words
   std::string part = {};
-  std::string fallback = {};  ///< the default as YAML; empty: there is none to tell
-  bool required = false;      ///< of a map that is complete, not laid over another one
+  std::string fallback = {};  ///< the default as YAML; empty if there is none to show
+  bool required = false;      ///< in a complete map, one that overrides no other map
 };
 using KeyTable = std::vector<Key>;
 

@@ -9,13 +9,12 @@
 
 namespace weft::yaml {
 
-/// Says that `entry` has a key that is none of the legal ones; `near` is the one that was probably
-/// meant, or empty.
+/// Reports that `entry` has an unknown key; `near` is the probably intended one, or empty.
 using UnknownKey = std::function<void(const Entry& entry, const std::string& near)>;
 
-/// Reports each key of `map` that is none of `keys`, and puts what is clearly a misspelt one under
-/// the key that it was meant for, where that is absent: so what it holds is checked too, and its
-/// absence is not reported as well.
+/// Reports each key of `map` that is none of `keys`. A clearly misspelt key is moved to the
+/// intended key if that is absent. Its value is then checked too, and the absence of the intended
+/// key is not reported as well.
 void correct_keys(Node& map, const std::vector<std::string>& keys, const UnknownKey& report);
 
 }  // namespace weft::yaml

@@ -18,7 +18,7 @@ bool ends_word(char c) {
   return !is_letter && !(c >= '0' && c <= '9') && c != '_';
 }
 
-/// Where the word begins whose value stands at `offset`: there, or behind a quotation mark.
+/// Finds the start of the word whose value is at `offset`: there, or behind a quotation mark.
 std::optional<std::size_t> find_word(const detail::Text& text, std::size_t offset,
                                      const std::string& word) {
   for (const std::size_t start : {offset, offset + 1}) {

@@ -16,9 +16,9 @@ struct Replacement {
   bool operator==(const Replacement&) const = default;
 };
 
-/// The text with each word replaced at its place; every other byte stays. A word may be quoted.
-/// What stands behind an alias (`*name`) is replaced at its anchor only. Fails with unsupported at
-/// "line:column" where the text has another word, as an escaped one.
+/// The text with each word replaced at its position; every other byte stays. A word may be quoted.
+/// The value of an alias (`*name`) is replaced at its anchor only. Fails with unsupported at
+/// "line:column" if the text has another word there, such as an escaped one.
 Result<std::string> replaced(std::string_view text, std::vector<Replacement> replacements);
 
 }  // namespace weft::yaml

@@ -77,7 +77,7 @@ bool is_decimal(std::string_view text) {
   return !text.empty() && count_digits(text) == text.size();
 }
 
-/// Whether the core schema reads this plain scalar as text.
+/// True if the core schema reads this plain scalar as text.
 bool is_text(std::string_view plain) {
   return !is_null_text(plain) && !bool_of(plain) && digits_of(plain).base == 0 &&
          !is_decimal(plain) && !is_infinity(plain) && !is_nan(plain);
@@ -100,7 +100,7 @@ bool has_unsafe_character(std::string_view text) {
   return false;
 }
 
-/// Whether a plain scalar in block style, anywhere in a line, comes back as this text.
+/// True if a plain scalar in block style, anywhere in a line, is read back as this text.
 bool stays_whole(std::string_view text) {
   const auto blank_at = [&](std::size_t i) { return i >= text.size() || text[i] == ' '; };
   if (text.empty() || blank_at(0) || text.back() == ' ') return false;
@@ -255,7 +255,7 @@ std::optional<double> as_double(const Node& node) {
     const auto integer = as_int64(node);
     return integer ? std::optional<double>(static_cast<double>(*integer)) : std::nullopt;
   }
-  if (text[0] == '+') text.remove_prefix(1);  // from_chars knows no plus sign
+  if (text[0] == '+') text.remove_prefix(1);  // from_chars rejects a plus sign
   double value = 0;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
   if (read.ec != std::errc()) return std::nullopt;

@@ -15,7 +15,7 @@ namespace weft::yaml::detail {
 using utf8::CodePoint;
 using utf8::decode;
 
-/// Whether YAML allows the character in a text as it is; a byte order mark is not.
+/// True if YAML allows the character unescaped in a text; false for a byte order mark.
 bool is_printable(char32_t value);
 
 /// Why a text cannot be parsed, and the byte where.
@@ -39,7 +39,7 @@ class Text {
     return offset <= bytes_.size() && bytes_.substr(offset, what.size()) == what;
   }
 
-  /// Whether a line with `---` begins at `offset`.
+  /// True if a line with `---` begins at `offset`.
   bool has_start_mark(std::size_t offset) const;
 
   /// Behind the last character that is not blank for offsets behind that.
@@ -48,10 +48,10 @@ class Text {
   /// The first byte of the line of `offset`.
   std::size_t line_start(std::size_t offset) const;
 
-  /// Whether only blanks, one of them a tab, stand before `offset` in its line.
+  /// True if `offset` is preceded in its line only by blanks, one of them a tab.
   bool is_indented_by_tab(std::size_t offset) const;
 
-  /// What the parser would misread or take too long for.
+  /// Finds text that the parser would misread or process too slowly.
   std::optional<Fault> check() const;
 
   /// Directives other than `%YAML 1.2`, or without the `---` behind them.

@@ -30,7 +30,7 @@ struct Saying {
   const char* ours;
 };
 
-// What yaml-cpp says (the beginning of it), and what that means to the writer of the text.
+// The beginning of yaml-cpp's message, and its meaning for the author of the text.
 const Saying kSayings[] = {
     {YAML::ErrorMsg::END_OF_MAP_FLOW, "expected ',' or '}' inside { }"},
     {YAML::ErrorMsg::END_OF_SEQ_FLOW, "expected ',' or ']' inside [ ]"},
@@ -52,10 +52,10 @@ const Saying kSayings[] = {
     {YAML::ErrorMsg::INVALID_ESCAPE, "unknown escape; double the backslash, or use single quotes"},
 };
 
-/// What separates texts inside { } and [ ].
+/// Separators of texts inside { } and [ ].
 constexpr std::string_view kAround = " \t\r\n,[]{}";
 
-/// Whether a bracket follows a text without a space, such as in `{path: frames/[0-9].png}`.
+/// True if a bracket follows a text without a space, such as in `{path: frames/[0-9].png}`.
 bool is_bracket_in_text(const Text& text, std::size_t offset) {
   return offset > 0 && std::string_view("[]{}").find(text.at(offset)) != std::string_view::npos &&
          kAround.find(text.at(offset - 1)) == std::string_view::npos;
@@ -93,7 +93,7 @@ std::string feed_of(std::string_view bytes) {
   return feed;
 }
 
-/// Puts an empty value in place of the alias at `offset`; returns its name.
+/// Replaces the alias at `offset` by an empty value; returns its name.
 std::string drop_alias(std::string& feed, std::size_t offset) {
   const std::size_t end = std::min(feed.find_first_of(" \t\r\n,[]{}", offset), feed.size());
   std::string name = detail::with_question_marks(feed.substr(offset + 1, end - offset - 1));

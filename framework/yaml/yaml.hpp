@@ -25,7 +25,7 @@ struct Position {
   int source = 0;  ///< index of the text, where a document is made from several
   bool operator==(const Position&) const = default;
 
-  /// Of a file that cannot be read; its line is 0.
+  /// The position of errors of an unreadable file; its line is 0.
   static Position whole_file(int source) { return {0, 0, source}; }
 };
 
@@ -39,18 +39,19 @@ enum class Kind : std::uint8_t { null, scalar, sequence, map };
 
 struct Entry;
 
-/// A value. An empty value is null and stands at its key.
+/// A value. An empty value is null and has the position of its key.
 ///
-/// What is `unclear`, here and in readers of nodes, is left open by an error that was reported: a
-/// reader does not report what merely follows from it.
+/// An `unclear` node, here and in readers of nodes, has contents that a reported error leaves
+/// unknown. A reader does not report mere consequences of that error.
 struct Node {
   Kind kind = Kind::null;
   std::string scalar;       ///< the text of a scalar, escapes resolved, UTF-8
   bool quoted = false;      ///< quoted, a block scalar, or tagged !!str: always text, never typed
-  Position at;              ///< first character; what an alias brought in stands at the alias
-  std::vector<Node> items;  ///< of a sequence
-  std::vector<Entry> entries;  ///< of a map, in the order of the text, keys unique
-  bool unclear = false;        ///< a map of which a key was refused: what it lacks is not known
+  Position at;              ///< first character; a value from an alias has the alias's position
+  std::vector<Node> items;  ///< items of a sequence
+  std::vector<Entry> entries;  ///< entries of a map, in the order of the text, keys unique
+  bool unclear = false;        ///< a map with a rejected key, so that a missing key may be a
+                               ///< consequence
 
   /// The value of `key`, or null when this is no map or has no such key.
   const Node* find(std::string_view key) const;
@@ -60,19 +61,19 @@ struct Node {
 /// One `key: value`. Keys are text, whatever they look like: `009: x` has the key "009".
 struct Entry {
   std::string key;
-  Position at;  ///< of the key
+  Position at;  ///< position of the key
   Node value;
   bool unclear = false;  ///< the text gives the key again; this is the first value
 };
 
-/// Says of which text all positions in a node are.
+/// Sets the source of all positions in a node.
 void set_source(Node& node, int source);
 
 /// Same content, wherever it stands. Quoting counts only where it decides the type: `"a"` equals
 /// `a`, but `"1"` differs from `1`. Scalars are compared as written: `1.0` differs from `1.00`.
 bool operator==(const Node& a, const Node& b);
 
-/// A mistake in a text that can be parsed.
+/// An error in a text that can be parsed.
 struct Problem {
   Position at;
   std::string message;
@@ -91,10 +92,13 @@ Result<std::string> read_text(const std::string& file);
 /// Reads one document; an empty text is a null root. A line break missing at the end is added.
 ///
 /// A text that is no YAML gives Errc::syntax at "file:line:column", alone: invalid UTF-8 or control
-/// characters, bad indentation, a missing quote or bracket. Everything else is collected in
-/// `problems`: duplicate keys, merge keys (`<<`), keys that are not text, more than one document,
-/// directives other than `%YAML 1.2`, tags other than !!str !!seq !!map, aliases without an anchor,
-/// texts with a NUL character, which would end early wherever they become a name or a path.
+/// characters, bad indentation, a missing quote or bracket. All other errors are collected in
+/// `problems`:
+/// - duplicate keys, merge keys (`<<`), keys that are not text;
+/// - more than one document, directives other than `%YAML 1.2`;
+/// - tags other than !!str !!seq !!map, aliases without an anchor;
+/// - texts with a NUL character, which would truncate a name or a path.
+///
 /// Too many nodes or too deep nesting end the reading and are the last problem.
 Result<Document> parse(std::string_view text, std::string file_name);
 

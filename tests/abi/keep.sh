@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # tests/abi/keep.sh VERSION [BUILD]
 #
-# Keeps what a release promises to load: the plugins of this folder made by GCC, by Clang with
-# libc++ and from C, and the host of BUILD (default build/release), in kept/VERSION with their
-# hashes. Run it once for a release, and commit what it writes. Where golden.txt is there, the
-# answers must be the same.
+# Keeps the binaries that later versions must load, in kept/VERSION with their hashes. They are the
+# plugins of this folder made by GCC, by Clang with libc++ and from C, and the host of BUILD (default
+# build/release). Run it once for a release, and commit the files. If golden.txt exists, the answers
+# must be the same.
 set -eu
 
 here=$(cd "$(dirname "$0")" && pwd)

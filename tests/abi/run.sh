@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # tests/abi/run.sh [BUILD]
 #
-# What docs/abi.md promises, with the libraries and the host that were kept when the contract became
-# what it is: old libraries in the host of BUILD (default build/release), new ones in the kept host,
-# one of a made-up version 1.99, records of a second version, and the layout of each struct.
+# Tests the promises of docs/abi.md with the libraries and the host that were kept for this version of
+# the contract. It runs old libraries in the host of BUILD (default build/release), and new ones in
+# the kept host. It also tests a library of a made-up version 1.99, records of a second version, and
+# the layout of each struct.
 set -eu
 
 here=$(cd "$(dirname "$0")" && pwd)

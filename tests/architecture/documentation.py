@@ -166,7 +166,7 @@ class Names:
 
 
 def check_names(names, page, lines):
-    printed = False  # what a program prints is compared by a test of its own
+    printed = False  # another test compares the output of programs
     for number, line in outside_code(lines):
         printed = line.startswith("<!-- weft ") or (printed and not line.startswith("<!-- /weft "))
         if printed:

@@ -84,7 +84,7 @@ INTERNAL = {
     "lab/calibration lab/metrics lab/results lab/ablation lab/cluster lab/report lab/bench lab/schema kit/conformance",
 }
 LAYERS = INSTALLED | INTERNAL
-# What reads images and videos is shared by plugins and the one room that links OpenCV as they do.
+# Plugins and the one room that links OpenCV as they do share the readers of images and videos.
 SHARED_PLUGIN_CODE = {"lab/calibration": ("plugin:common/images", "plugin:common/films")}
 PLUGIN_LAYERS = ("core", "images", "data", "geometry", "generators", "truth", "sdk")
 
@@ -98,7 +98,7 @@ ABI_READERS = (
     "framework/host/",
 )
 
-# Where rooms lie whose headers stand beside their sources; other folders of framework/ hold none.
+# Folders of rooms with headers beside the sources; other folders of framework/ have none.
 ROOTS = tuple(f"framework/{root}/" for root in sorted({room.split("/")[0] for room in INTERNAL}))
 FREE = ("framework/python/", "framework/kit/scaffold/", "framework/web/")
 TESTING = ("framework/include/weft/testing/", "framework/kit/testing/")

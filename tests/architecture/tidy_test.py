@@ -16,7 +16,7 @@ from unittest import mock
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 import tidy  # noqa: E402
 
-# Notes the source, and minds the word PLANTED in it.
+# Records the source, and reports the word PLANTED in it.
 CLANG_TIDY = """#!/bin/sh
 for source; do :; done
 echo "$source" >>"$CALLS"

@@ -70,7 +70,7 @@ class Camera(threading.Thread):
     def __init__(self, images: list[bytes], folder: Path, frames: int, fps: float) -> None:
         super().__init__(daemon=True)
         self.images, self.folder, self.frames, self.fps = images, folder, frames, fps
-        self.taken_s: dict[int, float] = {}  # of the steady clock, by frame
+        self.taken_s: dict[int, float] = {}  # time of the steady clock, by frame
         self.is_over = False
 
     def run(self) -> None:

@@ -20,8 +20,8 @@ PATIENCE_S = 120.0
 class Killer:
     """What happens to tasks: each time one starts, `share` of them are disturbed."""
 
-    # The node fails; the same, and Slurm puts the task into the queue again; Slurm believes so, but
-    # the node goes on with it; only the program is killed; its time is over.
+    # The node fails. The same, and Slurm puts the task into the queue again. Slurm reports a failed
+    # node, but the node continues the task. Only the program is killed. The time limit is reached.
     KINDS = ("lost", "requeued", "thought lost", "killed", "ended")
 
     def __init__(self, random: Random, share: float, longest_s: float,

@@ -178,8 +178,8 @@ class Loopback:
         for _ in range(int(seconds / 20.0)):
             if wait_for(self._is_empty, 20.0):
                 return True
-            # A controller that was killed forgets what ended just before; nodes that register anew
-            # tell it.
+            # A killed controller forgets jobs that ended just before; nodes that register anew
+            # report them.
             self.call("scontrol", "reconfigure", check=False)
         return False
 

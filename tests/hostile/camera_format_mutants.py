@@ -51,7 +51,7 @@ def camera_format_mutant(rng: Random) -> Mutant:
         written = written.replace("\n", "\r\n")
     files: dict[str, object] = {"frames/0.png": png(WIDTH, HEIGHT), "cam.txt": written.encode()}
     command = ["data", "info", "frames", "--camera", "cam.txt", "--json"]
-    # A negative centre of the image is a camera that may be; what else was drawn is none.
+    # A negative image centre is legal in a camera; the other sampled values are not.
     may_be = spoilt and words[key] == "-5" and key in ("cx", "cy", "px", "py")
     if spoilt and not may_be:
         mutant = refused(f"{name} with {key}: {words[key]}", files, command, "cam.txt")

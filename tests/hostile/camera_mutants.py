@@ -151,7 +151,7 @@ def camera_mutant(rng: Random) -> Mutant:
     while planted is None:
         planted = rng.choice(KINDS)(rng, root)
     files[name] = encoded(write(root, Style.random(rng), json))
-    line, column = planted.at  # where inside a value a character stands need not be said
+    line, column = planted.at  # the place of a character inside a value need not be reported
     expected = Expected(planted.kind, name, line, None if planted.kind == "syntax" else column,
                         planted.suggestion)
     return Mutant("camera", files, ["check", "pipeline.yaml"], [expected])

@@ -30,13 +30,13 @@ from program import Answer, Program
 from small_disk import SmallDisk, can_mount
 from victims import Ablation, Run
 
-# [bytes] 25 of them. What the program says goes into a file too, which must hold its message.
+# [bytes] 25 sizes. The program's output goes into a file too, which must contain its message.
 SIZES = [600, 700, 800, 900, 1000, 2000, 3000, *range(4096, 19 * 4096, 4096)]
 SIGNALS = {"child killed": disturbing.kill_child, "parent killed": disturbing.kill_parent,
            "group killed": disturbing.kill_group, "interrupted": disturbing.interrupt,
            "interrupted twice": disturbing.interrupt_twice,
            "stopped, continued": disturbing.stop_and_continue}
-GAVE_UP = 130  # of a process that a second interrupt ended
+GAVE_UP = 130  # exit code of a process that a second interrupt ended
 UNHARMED = ("child killed", "stopped, continued")  # after these the program goes on by itself
 
 
@@ -61,7 +61,7 @@ def cases() -> list[Case]:
 
 
 def victim_of(case: Case) -> Ablation | Run:
-    out = "disk/out"  # a disk of its own for those that are to find it full
+    out = "disk/out"  # a separate disk for those that are to find it full
     isolated = case.victim.startswith("isolated")
     return Ablation(out, isolated) if case.victim.endswith("ablation") else Run(out, isolated)
 
@@ -101,7 +101,7 @@ class Judge:
         if case.victim.startswith("isolated") and case.kind == "child killed":
             return "" if answer.code == 1 else f"exit {answer.code} where one frame failed"
         if answer.code == self.codes[case.victim]:
-            return self.differs(case, victim, folder)  # it says that nothing was cut
+            return self.differs(case, victim, folder)  # the exit code states that nothing was cut
         starved = case.kind not in UNHARMED
         reported = answer.code in victim.stopped_codes and answer.err.strip()
         return "" if starved and reported else f"exit {answer.code}: {answer.text[:200]}"

@@ -23,7 +23,7 @@ from random import Random
 from program import Answer, Program
 from victims import BASE, PLAN, STAGES
 
-# What is said of each.
+# The expected report of each action.
 ACTIONS = {"leave": "signal 6", "leave_session": "signal 6", "fork_twice": "",
          "multiply": "started more than 256 processes"}
 PLACES = ("process", "create", "prepare")

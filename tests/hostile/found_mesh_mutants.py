@@ -34,7 +34,7 @@ def soup_lines(rng: Random, off: float, off_uv: float) -> list[str]:
         corners = []
         for v in face:
             place, uv = (numbers(text) for text in vertices()[v])
-            inwards = [0.001 + 0.998 * x for x in uv]  # what is off must not leave the picture
+            inwards = [0.001 + 0.998 * x for x in uv]  # errors must stay inside the image
             lines.append("v " + " ".join(f"{x + rng.uniform(-off, off):.12f}" for x in place))
             lines.append("vt " + " ".join(f"{x + rng.uniform(-off_uv, off_uv):.12f}" for x in inwards))
             corners.append(f"{len(lines) // 2}/{len(lines) // 2}")

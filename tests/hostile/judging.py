@@ -42,8 +42,8 @@ class Mutant:
     expected: list[Expected] = field(default_factory=list)
     same: Callable[[Program, Path, Answer], str] | None = None
     refusable: str | None = None
-    codes: tuple[int, ...] = (0,)  # of a harmless one
-    one_pass: bool = True  # the program promises all mistakes at once
+    codes: tuple[int, ...] = (0,)  # exit codes of a harmless mutant
+    one_pass: bool = True  # the program promises to report all errors at once
 
     def write(self, folder: Path) -> None:
         for name, content in self.files.items():
@@ -71,7 +71,7 @@ class Verdict:
     suggestions: int = 0
     right_suggestions: int = 0
     complete: bool = True
-    sorts: list[str] = field(default_factory=list)  # of the planted mistakes
+    sorts: list[str] = field(default_factory=list)  # kinds of the planted errors
     faults: list[str] = field(default_factory=list)
 
 

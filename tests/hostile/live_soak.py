@@ -28,8 +28,8 @@ from live_client import PATIENCE_S, SCRIPTED, Closed, FaithfulViewer, LiveRun, V
 
 TOKEN = "a-token-of-sixteen-or-more"
 SLEEP_MS = 20  # that each frame takes at least
-WARM_UP = 0.3  # of the time
-# Of each frame the run itself keeps the times of its stages, for the table at its end.
+WARM_UP = 0.3  # share of the time
+# The run keeps the stage times of each frame for the table at its end.
 KEPT_KiB = 0.5
 LET_GO = "let_go"
 
@@ -51,7 +51,7 @@ class Reader(threading.Thread):
             while (line := self.lines.readline()).endswith(b"\n"):
                 self.numbers.append(json.loads(line)["frame"])
         except (ConnectionError, http.client.IncompleteRead):
-            pass  # a server that ends waits for nobody very long
+            pass  # a server that ends waits for no client very long
         except (OSError, ValueError, http.client.HTTPException) as failure:
             self.failure = repr(failure)
 

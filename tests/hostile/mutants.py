@@ -47,7 +47,7 @@ def makers_of(program: Program) -> list[Maker]:
     return [maker for share, maker in shares for _ in range(share)]
 
 
-# That can be asked for alone, as often as one likes; those of a class need the program to be made.
+# These kinds can be requested alone, as often as needed; those of a class need the program.
 BY_KIND: dict[str, Maker | Callable[[Program], object]] = {
     "pipeline": pipeline_mutant, "plan": plan_mutant, "camera": camera_mutant,
     "camera format": camera_format_mutant, "mesh": mesh_mutant, "found mesh": found_mesh_mutant,

@@ -100,7 +100,7 @@ def pipeline_overlay(rng: Random) -> Mutant:
         base.put("extends", "pipeline.yaml")
         planted = [("base.yaml", Planted("extends in a circle", base.find("extends")))]
     else:
-        # What the stages read is not known while it is not known which of them are left out.
+        # The inputs of the stages are unknown while the omitted stages are unknown.
         kinds = rng.sample([rng.choice([left_out, stage_over]), parameter_over, key_over,
                             mistake_below], rng.randrange(1, 4))
         planted = [("base.yaml", plant(rng, base)) if plant is mistake_below

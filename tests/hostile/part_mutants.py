@@ -214,7 +214,7 @@ class PartFiles:
         files[name] = b"".join(lines[:cut]) + beginning(rng, lines[cut])
         kept = {line for result in results for line in files[result].splitlines(keepends=True)
                 if line.endswith(b"\n")}
-        again = "out/cells/" + json.loads(lines[cut])["key"] + "/shapes.npz"  # of a cell to be run
+        again = "out/cells/" + json.loads(lines[cut])["key"] + "/shapes.npz"  # cell that runs again
         for each in ("out/manifest.json", "out/plan.json", "out/index.sqlite", again):
             if rng.random() < 0.6:
                 files[unfinished(rng, each)] = beginning(rng, files[each])

@@ -138,7 +138,7 @@ def wrong_nested(rng: Random, part: Map) -> Planted | None:
     right = use_of(inner)
     if rng.random() < 0.4:
         return rng.choice([wrong_parameter, misspelt_parameter])(rng, inner)
-    # A filter has a warp of its own, for which parameters alone are meant.
+    # A filter has a nested warp, for which parameters alone are meant.
     if rng.random() < 0.3 and params_of(part).find("warp") is None:
         return Planted("missing use", no_use(rng, inner).node)
     if rng.random() < 0.5:

@@ -63,7 +63,7 @@ def put_value(place: Map, key: str, value: Node) -> Node:
     return value
 
 
-# Mistakes of syntax: a raw scalar, and at which of its characters the reader must stop.
+# Syntax errors: a raw scalar, and the index of the character at which the reader must stop.
 SYNTAX = {
     "control character": ('"ab\x01c"', 3),
     "DEL": ('"a\x7fb"', 2),

@@ -21,7 +21,7 @@ NEVER = 2**62
 class Entry:
     kind: str  # "f": a file, "d": a folder, "l": a link
     number: int  # inode
-    target: str = ""  # of a link
+    target: str = ""  # target of a link
 
 
 def entry_of(path: Path) -> Entry:
@@ -88,7 +88,7 @@ class Disk:
     def _leave_folder(self, number: int, target: Path, rng: Random) -> None:
         certain = self.synced_entries(number)
         now = entries_of(self.folders[number]) if number in self.folders else certain
-        chance = rng.choice([0.0, 0.0, 0.5, 1.0])  # of each change that is not certain
+        chance = rng.choice([0.0, 0.0, 0.5, 1.0])  # probability of each uncertain change
         for name in sorted(certain.keys() | now.keys()):
             known, later = certain.get(name), now.get(name)
             entry = later if known != later and rng.random() < chance else known

@@ -187,7 +187,7 @@ class Judge:
         if was_done:
             found, right = victim.results(self.program, left), self.results["run"]
             wrong = sorted(key for key in right if found.get(key) != right[key]
-                           and key != "lines.txt")  # of the scripted sink, which does not sync
+                           and key != "lines.txt")  # file of the scripted sink, which does not sync
             return [f"a run that had ended lacks: {', '.join(wrong[:4])}"] if wrong else []
         if answer.dirt():
             return [f"eval: {answer.dirt()}"]

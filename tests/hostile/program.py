@@ -15,7 +15,7 @@ from pathlib import Path
 
 PLACE = re.compile(r"^(?P<file>[^\n:]+):(?P<line>\d+):(?P<column>\d+): (?P<message>.*)$", re.M)
 SUGGESTION = re.compile(r"did you mean '([^']*)'\?")
-# A program that has not ended by then hangs, sanitized and on a machine that has much else to do.
+# A program that runs longer hangs, even if sanitized and on a busy machine.
 PATIENCE_S = 120.0
 RAW = ("what()", "yaml-cpp", "std::", "cv::", "[json.exception", "OpenCV(", "terminate called",
        "bad_alloc", "basic_string", "vector::_M", "AddressSanitizer", "runtime error:")
@@ -41,7 +41,7 @@ class Answer:
     code: int  # negative: the signal that ended it
     out: str
     err: str
-    ms: float  # of wall time
+    ms: float  # wall-clock time
     hung: bool = False
     processor_ms: float = 0.0
 

@@ -22,7 +22,7 @@ def scale_mutant(rng: Random) -> Mutant:
     files: dict[str, object] = {"base.png": png(40, 30), "own.png": png(40, 30)}
     command = ["check", "pipeline.yaml"]
     kind = rng.randrange(4)
-    if kind == 0:  # the picture alone is replaced, through a file between or not
+    if kind == 0:  # only the image is replaced, through a file between or not
         files["base.yaml"] = base("0.3")
         between = rng.random() < 0.5
         files["between.yaml"] = b"weft: 1\nextends: base.yaml\nseed: 4\n"

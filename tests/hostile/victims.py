@@ -85,7 +85,7 @@ class Ablation:
             if name.startswith("line "):
                 line = json.loads(data)
                 del line["timing"], line["machine"]
-                line.pop("check", None)  # of the whole line, times and machine too
+                line.pop("check", None)  # covers the whole line, times and machine too
                 found[name] = json.dumps(line, sort_keys=True)
             else:
                 found[name] = data.hex()

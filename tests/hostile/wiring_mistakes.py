@@ -26,7 +26,7 @@ class Stage:
     makes: str
     before: list[Stage]
     behind: list[Stage]
-    meant: bool = False  # by a mistake of another stage, which is right only under this name
+    meant: bool = False  # an error of another stage refers to this name
     renamed: bool = False
 
 

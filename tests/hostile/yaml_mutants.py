@@ -30,7 +30,7 @@ def plant(rng: Random, root: Map, places) -> list[Planted]:
         there = any(node is part for node in nodes(root))
         if len(planted) < count and there and (part is not root or rng.random() < 0.4):
             mistake = rng.choice(kinds)(rng, part)
-            if mistake and mistake.alone:  # of the root, which comes first
+            if mistake and mistake.alone:  # an error of the root, which comes first
                 return [mistake]
             planted += [mistake] if mistake else []
     return planted

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Builds docs/examples/c_filter by the commands of its page, in a folder of its own, against the package
+# Builds docs/examples/c_filter by the commands of its page, in a separate folder, against the package
 # in WEFT_BUILD_DIR; and the contract as C99 by each compiler that is there.
 set -eu
 

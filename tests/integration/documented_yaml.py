@@ -55,7 +55,7 @@ SEQUENCE = """weft: 1
 source: {use: sources/images, params: {path: ../frames/*.png, camera: ../camera.yaml}}
 template: {use: templates/rectangular, params: {texture: ../texture.png, width_m: 0.297}}
 """
-# What pages call by these names; a path is that file of this repository.
+# Files that pages call by these names; a path is that file of this repository.
 STAND_INS = {
     "frames/0001.png": png(160, 120),
     "masks/0001.png": png(160, 120),
@@ -89,7 +89,7 @@ STAND_INS = {
 
 class Block:
     def __init__(self, page, number, indent, lines, before):
-        self.page, self.number, self.indent = page, number, indent  # of its first line
+        self.page, self.number, self.indent = page, number, indent  # first line
         self.text = textwrap.dedent("\n".join(lines)) + "\n"
         self.quote, self.over, self.excuse = (
             kind.search(before) for kind in (QUOTE, OVER, EXCUSE))
@@ -182,7 +182,7 @@ def problems_of(command, files, folder):
     accepted = {line.split(": ok, ")[0]
                 for line in run([*command, *files], folder, subprocess.DEVNULL) if ": ok, " in line}
     for path, place in files.items():
-        if path not in accepted:  # alone, so that what is said of a base is its own
+        if path not in accepted:  # checked alone, so that messages about a base are its own
             said = run([*command, path], folder, subprocess.STDOUT)
             yield from at_their_places(said, place) if place else said
             yield from [] if said else [f"{path}: weft check says nothing"]

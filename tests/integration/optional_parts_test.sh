@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Configures the tree as on a machine without OpenCL, Ceres and OpenCV's module aruco: all but the
-# plugins that need them is there to be built, with its tests, and what is not is named.
+# Configures the tree as on a machine without OpenCL, Ceres and OpenCV's module aruco. CMake omits and
+# names the plugins that need them; the rest can be built, with its tests.
 set -eu
 
 folder=$(mktemp -d)

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Builds docs/examples/your_own_filter as its reader would, in a folder of its own, against the
+# Builds docs/examples/your_own_filter as its reader would, in a separate folder, against the
 # package in WEFT_BUILD_DIR.
 set -eu
 

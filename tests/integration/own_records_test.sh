@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Builds docs/examples/own_records by the commands of its page, in a folder of its own: stages with a
-# record type that the host does not know, in this process and in another one, dumped and replayed.
+# Builds docs/examples/own_records by the commands of its page, in a separate folder. Its stages use a
+# record type unknown to the host, in this process and in another one, dumped and replayed.
 set -eu
 
 : "${WEFT_BUILD_DIR:?is not set: the folder with weftConfig.cmake}"

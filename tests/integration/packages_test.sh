@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Makes the Debian packages of WEFT_BUILD_DIR, unpacks them in a folder of their own and uses them: what is
-# in which, what they depend on, and a plugin that is built against weft-dev.
+# Makes the Debian packages of WEFT_BUILD_DIR, unpacks them in a separate folder and uses them. Checks the
+# files of each package, their dependencies, and a plugin that is built against weft-dev.
 set -eu
 
 : "${WEFT_BUILD_DIR:?is not set: the folder of a build}"

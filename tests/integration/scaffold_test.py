@@ -15,7 +15,7 @@ import tempfile
 import textwrap
 import unittest
 
-# What the command takes, and the folder of each.
+# The kinds that the command accepts, and the folder of each.
 ROLES = {"source": "sources", "template": "templates", "detector": "detectors", "matcher": "matchers",
          "filter": "filters", "warp": "warps", "pass": "passes", "solver": "solvers", "stage": "stages", "sink": "sinks"}
 PYTHON_ROLES = ("source", "template", "filter", "pass", "solver", "sink")

@@ -19,7 +19,7 @@ import unittest
 PAGE = "docs/tutorials/my-filter-against-nine.md"
 FURTHER = re.compile(r"`weft ablate (against_nine\.yaml [^`]*)`")
 FILE = re.compile(r"<!-- file: ([\w.]+)")
-MOST_LINES = 60  # of the filter
+MOST_LINES = 60  # lines of the filter
 
 
 def script_of(page):

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Builds docs/examples/python_filter as its reader would, in a folder of its own, against the package in
+# Builds docs/examples/python_filter as its reader would, in a separate folder, against the package in
 # WEFT_BUILD_DIR, and again after a change.
 set -eu
 

@@ -27,8 +27,9 @@ PLANS = sorted(file for folder in ("pipelines/ablations", "tests/integration/pla
 MALFORMED = {file.stem: file for file in sorted((ROOT / "tests/hostile/malformed").glob("*.yaml"))}
 WRONG_PLANS = {file.stem: file for file in sorted((ROOT / "tests/ablation/plans").glob("*.yaml"))
                if file.stem != "base"}
-# What no schema sees: duplicate keys, numbers that JSON lacks or, like 2.0, takes for whole, names
-# of stages, the wiring, files and variables, and what grows too large to be looked at.
+# Errors that no schema detects. They concern duplicate keys, names of stages, the wiring, files and
+# variables, and documents that grow too large. They also concern numbers that JSON lacks or, like
+# 2.0, takes for whole.
 UNSEEN = set("""
     alias_bomb deep_nesting directive duplicate_parameter duplicate_root_key number_nan
     extends_a_folder extends_itself extends_missing extends_with_a_nul fraction_for_whole_number
@@ -171,7 +172,7 @@ class Schemas(unittest.TestCase):
             try:
                 document = read(file)
             except (yaml.YAMLError, UnicodeDecodeError, TypeError):
-                found.add(name)  # what is no YAML is seen by everyone
+                found.add(name)  # every schema refuses a text that is no YAML
                 continue
             if mistakes(self.of_tests[kind], document):
                 found.add(name)

@@ -54,10 +54,10 @@ export async function use_chromium(web, allowed, use) {
   }
 }
 
-/** By how many pixels the page is wider than its window. */
+/** The number of pixels by which the page is wider than its window. */
 export const overflow_of = (page) =>
   page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
 
-/** Keeps a picture of the page for people in the folder, named after the script. */
+/** Keeps an image of the page for people in the folder, named after the script. */
 export const screenshot_file = (folder, name, type = "png") =>
   path.join(folder, `${path.basename(process.argv[1], ".mjs")}_${name}.${type}`);

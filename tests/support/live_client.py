@@ -14,7 +14,7 @@ from pathlib import Path
 
 PATIENCE_S = 120.0
 MASK = b"\x37\xfa\x21\x3d"  # any will do
-# What no program prints that is well.
+# Texts that no correct program prints.
 DIRT = ("Sanitizer", "runtime error:", "terminate called", "Assertion", "what():", "out of memory")
 SCRIPTED = """\
 weft: 1
@@ -172,7 +172,7 @@ class FaithfulViewer(threading.Thread):
         except Closed as end:
             self.code = end.code
         except ConnectionError:
-            pass  # a server that ends waits for nobody very long
+            pass  # a server that ends waits for no client very long
         except (OSError, ValueError) as failure:
             self.failure = repr(failure)
 
@@ -220,7 +220,7 @@ class LiveRun:
         raise RuntimeError(f"weft live does not start: {self.words()}")
 
     def _starts(self) -> bool:
-        # What is freed is kept for a while by a sanitizer: less of it, so that memory can be judged.
+        # A sanitizer keeps freed memory for a while; this limits it, so that memory can be judged.
         options = os.environ.get("ASAN_OPTIONS", "") + ":quarantine_size_mb=16"
         self.child = subprocess.Popen(
             self.command, cwd=self.folder, stdin=subprocess.DEVNULL,

@@ -15,9 +15,9 @@ struct FrexSheetRequest {
   bool overwrite = false;  ///< files that are there
 };
 
-/// Writes the sheet of templates/frex_sheet as a PDF of exact size, markers as filled rectangles,
-/// and beside it its layout (.yaml) and its picture from edge to edge (.png); prints the paths.
-/// Returns the exit code.
+/// Writes the marker layout of templates/frex_sheet as a PDF of exact size, with markers as filled
+/// rectangles. Beside it, writes its layout (.yaml) and its image from edge to edge (.png). Prints
+/// the paths. Returns the exit code.
 int make_frex_sheet(const Context& context, const FrexSheetRequest& request);
 
 }  // namespace weft::cli

@@ -24,7 +24,7 @@ Result<void> check_file(const std::string& path, const std::string& option) {
   return check_input(path, InputKind::file, "correct " + option);
 }
 
-/// Width and height of the printed sheet, from its layout.
+/// Width and height of the printed paper, from its layout.
 Result<Eigen::Vector2d> sheet_size_m(const std::string& layout) {
   if (auto found = check_file(layout, "--layout"); !found) return found.error();
   const auto text = yaml::read_text(layout);
@@ -47,7 +47,7 @@ Result<Eigen::Vector2d> sheet_size_m(const std::string& layout) {
   return size_m;
 }
 
-/// Width of the largest print of the texture that the sheet holds.
+/// Width of the largest version of the texture that fits the paper.
 Result<double> print_width_m(const Context& context, const FrexVideoRequest& request) {
   const auto sheet_m = sheet_size_m(request.layout);
   if (!sheet_m) return sheet_m.error();

@@ -15,8 +15,8 @@ struct FrexVideoRequest {
   std::int64_t seed = 1;
 };
 
-/// The pipeline that puts `texture` on the filmed sheet of markers: sources/frex_video into
-/// sinks/dataset. Paths in it are absolute. Fails where the texture or the layout cannot be read.
+/// The pipeline that puts `texture` on the filmed paper with markers: sources/frex_video into
+/// sinks/dataset. Paths in it are absolute. Fails if the texture or the layout cannot be read.
 Result<GeneratedText> frex_video_pipeline(const Context& context, const FrexVideoRequest& request);
 
 }  // namespace weft::cli

@@ -14,7 +14,7 @@ namespace weft::cli {
 namespace {
 
 struct FrexOptions {
-  std::string sheet;  ///< the PDF, where the sheet of markers is asked for
+  std::string sheet;  ///< the PDF, if the marker layout is requested
   std::string video, camera, layout;
   std::string folder, texture, pattern, background;
   double width_m = 0.297;
@@ -24,7 +24,7 @@ struct FrexOptions {
   bool occluder = false;
   std::vector<std::string> settings;
   bool quiet = false;
-  bool overwrite = false;  ///< the sheet's files
+  bool overwrite = false;  ///< for the files of the marker layout
 };
 
 std::string one_line(std::string text) {

@@ -35,7 +35,7 @@ class SequenceProgress final : public RunObserver {
       first_error_ = fmt::format("frame {}: {}", frame.index, report.reason.str());
     }
     if (!shows_) return;
-    // Frames do not depend on whether somebody can read this.
+    // A failed write of the progress does not affect the frames.
     std::fputs(
         fmt::format("\r{}{} frames", done_, total_ < 0 ? "" : fmt::format("/{}", total_)).c_str(),
         stderr);

@@ -10,8 +10,8 @@
 namespace weft::cli {
 
 /// Runs a pipeline that writes a sequence into `folder`, new or empty, where its text is kept as
-/// make.yaml. Prints progress and mistakes, and sets Context::exit_code; where nothing could be
-/// made, nothing is left. A run that wrote no frame is the mistake `none`.
+/// make.yaml. Prints progress and errors, and sets Context::exit_code. If nothing could be made,
+/// the folder is removed. A run that wrote no frame is the error `none`.
 void make_sequence(const GeneratedText& pipeline_text, const std::string& folder,
                    const std::vector<std::string>& settings, bool quiet, const Error& none,
                    Context& context);

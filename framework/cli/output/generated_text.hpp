@@ -24,7 +24,7 @@ class GeneratedText {
 
  private:
   std::string otherwise_, text_;
-  std::vector<std::string> arguments_;  ///< of each line
+  std::vector<std::string> arguments_;  ///< arguments of each line
 };
 
 }  // namespace weft::cli

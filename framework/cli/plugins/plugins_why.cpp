@@ -22,7 +22,7 @@ struct Finding {
   std::string id;     ///< empty if the file does not state it
   std::string state;  ///< "used", "shadowed", "refused", "not searched"
   std::string library, version, origin;
-  std::string cause, fix;  ///< of anything but used
+  std::string cause, fix;  ///< for states other than used
   std::vector<std::string> notes;
 };
 
@@ -119,7 +119,8 @@ Explanation explain_file(const std::string& file, const std::vector<std::string>
   const fs::path given = library_of(file);
   const fs::path folder = fs::weakly_canonical(given.parent_path(), code);
   const std::string library = (folder / given.filename()).string();
-  // Last, and under a name of its own: what counts there is what the search finds before it.
+  // Searched last, under a separate name: components that the search finds before it take
+  // precedence.
   std::vector<host::SearchFolder> folders = host::search_path(plugin_path);
   folders.push_back({folder.string(), kNotSearched});
   const host::Registry registry = host::Registry::scan(folders);
@@ -189,7 +190,7 @@ void explain_plugin(const std::string& id_or_file, bool json, Context& context) 
   }
   Explanation explanation = is_file ? explain_file(id_or_file, context.plugin_path)
                                     : explain_id(id_or_file, context.registry());
-  // Of the components of a file all count, of the places of a component any.
+  // All components of a file must be used, but only one place of a component.
   const auto is_used = [](const Finding& finding) { return finding.state == "used"; };
   const auto& found = explanation.found;
   explanation.usable =

@@ -72,7 +72,8 @@ std::string camel_case(const std::string& name) {
 
 using Words = std::vector<std::pair<std::string, std::string>>;
 
-/// What stands in the scaffold for what; of two that begin alike the longer one comes first.
+/// The words of the scaffold and their replacements; of two with the same beginning the longer one
+/// comes first.
 Words words_of(const PluginName& plugin) {
   const std::string library = plugin.role + "_" + plugin.component();
   return {{"roles/my_plugin", plugin.id()},          {"roles_my_plugin", library},
@@ -95,13 +96,13 @@ std::string replaced(const std::string& text, const Words& words) {
 /// A language in which plugins can be begun.
 struct Language {
   const char* name;
-  const char* folder;    ///< of its sources, which stand in the place of those of the role
-  const char* replaces;  ///< what these are: an extension, or the end of a name
+  const char* folder;    ///< folder of its sources, which replace those of the role
+  const char* replaces;  ///< extension or ending of the replaced names
 };
 constexpr Language kLanguages[] = {
     {"c++", "", ""}, {"c", "c", "my_plugin.cpp"}, {"python", "python", ".cpp"}};
 
-/// Adds the files of a folder, without those whose names end in `but`, if that says anything.
+/// Adds the files of a folder, without those whose names end in `but`, if it is not empty.
 Result<void> add_files(const fs::path& folder, const Words& words, const std::string& but,
                        std::map<std::string, std::string>& files) {
   std::error_code code;

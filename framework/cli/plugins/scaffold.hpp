@@ -27,10 +27,10 @@ Result<PluginName> plugin_name(const std::string& role, const std::string& name,
 /// In which plugins can be begun: "c++", "python".
 std::vector<std::string> scaffold_languages();
 
-/// The files of a new plugin, by their paths in its folder. In `scaffold` a folder of each role and
-/// `common` hold plugins called my_plugin, `python` those in Python, whose page and pipeline are
-/// those of the role; what stands in several files of a name is joined. Fails where they cannot be
-/// read, or where there is none of the role in the language.
+/// The files of a new plugin, by their paths in its folder. In `scaffold`, a folder of each role
+/// and `common` contain plugins called my_plugin, and `python` those in Python, which share the
+/// page and the pipeline of the role. Files with the same name are joined. Fails if they cannot be
+/// read, or if the role has none in the language.
 Result<std::map<std::string, std::string>> scaffold_files(const PluginName& plugin,
                                                           const std::string& language,
                                                           const std::filesystem::path& scaffold);

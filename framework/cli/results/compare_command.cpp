@@ -53,7 +53,7 @@ std::vector<std::string> names_of(const CompareOptions& options) {
 Result<GeneratedText> plan_text(const CompareOptions& options, const std::string& name,
                                 const host::Registry& registry) {
   const std::vector<std::string> names = names_of(options);
-  // Seeds up to 100 are for tuning; that is the caller's to know, who asks for no report.
+  // Seeds up to 100 are for tuning. The caller is expected to know that, and requests no report.
   const long first_seed = std::strtol(options.seeds.c_str(), nullptr, 10);
   const bool tuning = !options.seeds.empty() && first_seed <= 100;
   GeneratedText text("weft compare");

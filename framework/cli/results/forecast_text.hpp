@@ -11,7 +11,7 @@ namespace weft::cli {
 /// How fast cells will be run.
 struct Pace {
   int processes = 1;
-  std::string by;                           ///< what runs them, "--jobs 2"
+  std::string by;                           ///< option that sets the number, "--jobs 2"
   std::optional<double> cell_seconds = {};  ///< [s] of one process, where it was measured
 };
 

@@ -16,7 +16,7 @@
 namespace weft::cli {
 namespace {
 
-/// Of a run or an ablation, whichever wrote the folder.
+/// Writes the report of a run or of an ablation, depending on the folder.
 Result<lab::ReportFiles> write_report_of(const std::string& folder,
                                          const lab::ReportOptions& options) {
   namespace fs = std::filesystem;

@@ -17,7 +17,7 @@ inline constexpr int kInterruptedTwice = 130;
 /// ran.
 const std::atomic<bool>& watch_for_interruption();
 
-/// What a second interrupt, or a component that ends the process, is said to have run into: "the
+/// Sets the action that is reported on a second interrupt, or if a component ends the process: "the
 /// plan is read".
 void now_running(const std::string& what);
 
@@ -26,7 +26,7 @@ void now_running(const std::string& what);
 void now_running(const std::string& stage, const std::string& component, const std::string& what,
                  std::uint64_t frame);
 
-/// The checks of a file; which component they ask is what runs meanwhile.
+/// The checks of a file; the component that is being checked is reported as the current action.
 host::ComponentChecks checks_of(const std::string& file);
 
 }  // namespace weft::cli

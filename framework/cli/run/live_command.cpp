@@ -93,7 +93,7 @@ std::string words_on(const Page& page) {
   return page.address + "?token=...\nReplace the dots by the token.\n";
 }
 
-/// What the source needs of the user, beside being looked at.
+/// Advice on what the user must do for this source.
 std::string advice_for(const PipelineConfig& config) {
   if (config.source->component.component().id != kVideo) return "";
   if (value_of(*config.source, "camera")) return "";

@@ -19,8 +19,8 @@ void add_without(CLI::App& command, std::vector<std::string>& names);
 void add_isolation(CLI::App& command, std::string& choice);
 Isolating isolating_of(const std::string& choice);
 
-/// "filters/mine runs in a separate process (--isolate none runs it here)", of those of which the
-/// pipeline says nothing; empty where there is none.
+/// "filters/mine runs in a separate process (--isolate none runs it here)", for components without
+/// a setting in the pipeline; empty if there are none.
 std::string words_on_isolation(const PipelineConfig& config);
 
 /// The run folder of a pipeline for which none is given: runs/<pipeline>, or the first of

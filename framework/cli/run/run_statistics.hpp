@@ -13,7 +13,7 @@
 
 namespace weft::cli {
 
-/// What became of the frames of a run: states, confidences, and the status and times of each stage.
+/// The results of the frames of a run: states, confidences, and the status and times of each stage.
 class RunStatistics {
  public:
   void add(const FrameResult& frame);
@@ -32,7 +32,7 @@ class RunStatistics {
   };
 
   std::int64_t frames_ = 0;
-  std::vector<std::string> order_;  ///< of the stages, as they came
+  std::vector<std::string> order_;  ///< names of the stages in order of appearance
   std::map<std::string, Stage> stages_;
   std::map<std::string, int> states_;  ///< [frames] by the name of their state
   std::vector<double> confidences_;    ///< [0, 1] of the shapes that were measured

@@ -94,7 +94,7 @@ std::pair<CheckedPipeline, ConfigReport> check(const RunArguments& arguments,
   const std::string absolute = fs::absolute(folder).string();
   auto document = read_document(arguments.pipeline, arguments.settings, registry,
                                 host::PathRules::of_process({}, absolute), arguments.patches);
-  // What is to be named when it touches its inputs must be here.
+  // A component must run in this process to be named when it writes into its inputs.
   const bool stays = arguments.paranoid && arguments.isolate == "auto";
   document.isolating = stays ? Isolating::preferred : isolating_of(arguments.isolate);
   return check_pipeline(arguments.pipeline, std::move(document), registry, absolute, &checks);

@@ -152,11 +152,11 @@ void end_at_once(int code) {
 
 }  // namespace weft::cli
 
-// These stand before the C library's for all that the process loads. The return from main() does
-// not pass here.
+// These functions override those of the C library for all libraries of the process. The return from
+// main() does not call them.
 
-/// That of the C library destroys what other threads still use, and what they do then would be told
-/// in place of the call.
+/// The C library's exit() destroys objects that other threads still use, and the resulting errors
+/// would be reported instead of this call.
 extern "C" [[gnu::noreturn]] void exit(int code) noexcept {
   weft::cli::on_exit_of_component("exit()");
   using Exit = void (*)(int);

@@ -5,11 +5,11 @@
 
 namespace weft::cli {
 
-/// While it lives, stderr is told what ran where a component ends the process instead of answering:
-/// by SIGSEGV, SIGBUS, SIGFPE, SIGILL or SIGABRT, also of a stack that ran over, or by exit() and
-/// its like. After a signal the process then ends of it as it would have, after the others with
-/// kComponentExited. One at a time. A stack that runs over in a thread of a component is not
-/// noticed, nor what asks the kernel itself.
+/// While it lives, stderr reports the current action if a component ends the process instead of
+/// answering. It detects SIGSEGV, SIGBUS, SIGFPE, SIGILL and SIGABRT, also after a stack overflow,
+/// and exit() and similar functions. After a signal the process then ends as it would have,
+/// otherwise with kComponentExited. One at a time. It detects neither a stack overflow in a
+/// component's thread nor direct system calls.
 class SuddenEndWatch {
  public:
   SuddenEndWatch();
@@ -18,8 +18,8 @@ class SuddenEndWatch {
   SuddenEndWatch& operator=(const SuddenEndWatch&) = delete;
 };
 
-/// What this thread runs from now on, and whether it is a component that a run calls; of other
-/// threads than those that say it, what was said last by any.
+/// Sets the current action of this thread, and if it is a component that a run calls. For threads
+/// that never set an action, the last action of any thread is reported.
 void now_running_here(const std::string& what, bool of_run);
 
 /// _exit() for the program itself.

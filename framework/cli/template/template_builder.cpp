@@ -53,7 +53,7 @@ yaml::Entry* find_entry(yaml::Node& map, std::string_view key) {
   return found == map.entries.end() ? nullptr : &*found;
 }
 
-/// Paths that were resolved stand in no folder of their own.
+/// Resolved paths do not depend on the folder of a file.
 void forget_places(yaml::Node& node) {
   node.at = {};
   for (yaml::Node& item : node.items) forget_places(item);

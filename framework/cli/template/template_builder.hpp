@@ -29,8 +29,8 @@ struct BuiltTemplate {
 
 Result<BuiltTemplate> build_template(const host::ComponentSpec& component);
 
-/// The same component with the mesh of its file, where it is asked for another one: its parameter
-/// `vertices`, of which 0 is the file's, is not 0.
+/// The same component with the mesh of its file, if another mesh is configured: its parameter
+/// `vertices` is not 0, the value for the file's mesh.
 std::optional<host::ComponentSpec> with_mesh_of_file(const host::Registry& registry,
                                                      const host::ComponentSpec& component);
 

@@ -57,7 +57,7 @@ class NewFolder {
     std::error_code code;
     if (path_.empty() || !fs::is_regular_file(file(name), code)) return std::nullopt;
     fs::path beside = fs::absolute(path_, code).lexically_normal();
-    if (!beside.has_filename()) beside = beside.parent_path();  // of "poster/"
+    if (!beside.has_filename()) beside = beside.parent_path();  // a path such as "poster/"
     beside += std::string("_") + name;
     fs::rename(file(name), beside, code);
     return code ? file(name) : beside.string();

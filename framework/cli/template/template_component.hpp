@@ -15,8 +15,8 @@ namespace weft::cli {
 struct ChosenTemplate {
   std::string pipeline, use, photo;
   std::vector<std::string> settings;
-  std::optional<double> width_m, height_m;  ///< of the sheet in the photograph
-  std::string camera, corners;              ///< of the photograph
+  std::optional<double> width_m, height_m;  ///< size of the object in the photograph
+  std::string camera, corners;              ///< camera and corners of the photograph
 };
 
 /// The options that choose a template.

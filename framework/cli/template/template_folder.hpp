@@ -19,8 +19,8 @@ using TextureSize = std::array<std::int64_t, 2>;
 Result<TextureSize> write_template(const host::Registry& registry, const Template& templ,
                                    const std::string& folder);
 
-/// The same; of a mesh made anew also map.npz, where both meshes lie on each other. `crop_px`
-/// leaves so much of the texture beside the object.
+/// The same; for a new mesh also map.npz, with the positions of each mesh on the other. `crop_px`
+/// is the margin of the texture that is kept beside the object.
 Result<TextureSize> write_template(const host::Registry& registry,
                                    const host::ComponentSpec& component, const Template& templ,
                                    std::optional<double> crop_px, const std::string& folder);

@@ -12,7 +12,7 @@ namespace weft::cli {
 enum class Picture {
   mesh,     ///< over the texture, with the object where it is not flat
   texture,  ///< alone
-  matches,  ///< of a frame, with its shape
+  matches,  ///< matches of a frame, with its shape
   twins,    ///< keypoints of the texture that look alike, given as matches with itself
 };
 
@@ -20,7 +20,7 @@ enum class Picture {
 Result<void> write_picture(const host::Registry& registry, const host::Record& templ,
                            Picture picture, const std::string& path);
 
-/// The same with what else the picture shows.
+/// The same with all other contents of the image.
 Result<void> write_picture(const host::Registry& registry, std::span<const weft_record> inputs,
                            Picture picture, const std::string& path);
 

@@ -8,12 +8,12 @@
 
 namespace weft::cli {
 
-/// What the texture of a template is good for, by the features of the default pipeline. Fails where
-/// these are not installed.
+/// Assesses the texture of a template with the features of the default pipeline. Fails if these are
+/// not installed.
 Result<TextureSurvey> judge_texture(const host::Registry& registry, const host::Record& templ,
                                     const TemplateSurvey& numbers);
 
-/// Writes a picture of which keypoints look alike, as PNG.
+/// Writes an image of the keypoints that look alike, as PNG.
 Result<void> write_twins(const host::Registry& registry, const host::Record& templ,
                          const TextureSurvey& texture, const std::string& path);
 

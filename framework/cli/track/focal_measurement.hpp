@@ -13,7 +13,7 @@ namespace weft::cli {
 struct FocalMeasurement {
   double by_side = 0.0;     ///< [] focal length divided by the longer side of the frames
   double by_side_sd = 0.0;  ///< [] its standard deviation
-  int frames = 0;           ///< unlike ones that were asked
+  int frames = 0;           ///< unlike frames that were used
 };
 
 /// Runs a pipeline whose camera is assumed, with these settings, and reads the focal length from

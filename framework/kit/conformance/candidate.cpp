@@ -34,7 +34,7 @@ Result<std::vector<std::string>> arguments_beside(const std::string& library) {
   return lines;
 }
 
-/// What stands behind an id is about that component, else about the first of the library.
+/// Arguments behind an id apply to that component, others to the first component of the library.
 Result<void> apply_arguments(const std::vector<std::string>& arguments,
                              const std::vector<std::string>& ids,
                              std::vector<Candidate>& candidates) {
@@ -77,7 +77,7 @@ Candidate refused(const Registry& registry, const host::Refusal& refusal) {
   return candidate;
 }
 
-/// The components of a library that are asked for, by `is_asked(installed)`.
+/// The requested components of a library, by `is_asked(installed)`.
 template <class IsAsked>
 Result<void> add_installed(const Registry& registry, const IsAsked& is_asked,
                            std::vector<Candidate>& all) {

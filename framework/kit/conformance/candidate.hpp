@@ -12,14 +12,14 @@ namespace weft::conformance {
 
 /// A component that is to be checked, and what it is checked with.
 struct Candidate {
-  std::string id;  ///< of a library that cannot be used, its file
+  std::string id;  ///< for a library that cannot be used, its file
   std::shared_ptr<const host::Registry> registry;
   std::string params = "{}";            ///< YAML
-  std::vector<std::string> deviations;  ///< checks that fail, as its page says
-  bool geometry = false;                ///< whether the laws of geometry are among its checks
+  std::vector<std::string> deviations;  ///< checks that fail according to its page
+  bool geometry = false;                ///< true if the laws of geometry are among its checks
   std::string skipped;                  ///< why it cannot be checked here; empty where it can
   std::string refusal;                  ///< why its library cannot be used, and the fix
-  std::uint64_t seed = testing::kContractSeed;  ///< of all draws
+  std::uint64_t seed = testing::kContractSeed;  ///< seed of all random numbers
 
   /// Null where the library is refused.
   const host::Installed* installed() const { return registry->find(id); }
@@ -29,7 +29,7 @@ struct Candidate {
                                 const yaml::Node* params = nullptr) const;
 };
 
-/// What is asked for.
+/// The request of the command line.
 struct Asked {
   std::vector<std::string> subjects;            ///< libraries, manifests, ids
   bool all = false;                             ///< every installed component

@@ -92,7 +92,7 @@ void check_prepared_twice(Play& play, const std::vector<Answer>& expected, Page&
   }
   Performer performer(play.subject());
   const Scene& scene = play.scene();
-  if (!performer.begin(scene.templ, scene.camera)) return;  // told elsewhere
+  if (!performer.begin(scene.templ, scene.camera)) return;  // reported by another check
   if (const auto again = performer.prepare(scene.templ, scene.camera); !again) {
     return page.fail("the second time, " + again.error().message);
   }
@@ -104,7 +104,7 @@ void check_prepared_twice(Play& play, const std::vector<Answer>& expected, Page&
 
 void check_calls(const Setting& setting, Notebook& notebook) {
   const auto made = Play::of(setting);
-  if (!made) return;  // told of its parameters
+  if (!made) return;  // reported by the check of its parameters
   Play& play = **made;
   Usual usual(play);
   notebook.check("calls/repeated", [&](Page& page) { check_repeated(play, page); });

@@ -15,7 +15,7 @@
 namespace weft::conformance {
 namespace {
 
-constexpr int kMostRefusals = 12;  ///< of memory that are tried
+constexpr int kMostRefusals = 12;  ///< allocations whose refusal is tested
 
 void check_passage(Play& play, Usual& usual, testing::Passage& passage, const char* fix,
                    Page& page) {
@@ -23,7 +23,7 @@ void check_passage(Play& play, Usual& usual, testing::Passage& passage, const ch
   if (!how.empty()) page.fail(how + "; " + fix);
 }
 
-/// Each of its asks for memory is refused once.
+/// Refuses each of its allocations once.
 void check_no_memory(Play& play, Page& page) {
   int refused = 0;
   for (int which = 0; which < kMostRefusals; ++which) {
@@ -70,7 +70,7 @@ class Listener final : public testing::Passage {
   std::string mistake_;
 };
 
-/// Asked for what there is not, and for the usual and degenerate cases of its role.
+/// Called with a method that does not exist, and with the usual and degenerate cases of its role.
 void check_error_text(Play& play, Page& page) {
   Listener listener;
   Performer performer(play.subject(), {.passage = &listener});
@@ -121,7 +121,7 @@ void check_contract(const Setting& setting, Notebook& notebook) {
     });
   }
   const auto made = Play::of(setting);
-  if (!made) return;  // told of its parameters
+  if (!made) return;  // reported by the check of its parameters
   Play& play = **made;
   Usual usual(play);
   const bool has_inputs = !play.subject().rules().main_method().inputs.empty();

@@ -16,10 +16,10 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kWhole = 86;  ///< exit code of a process that came to the end of its checks
 
-/// What a handler reaches.
+/// Data for a signal handler.
 int remarks_to = -1;
 
-/// A component that spoils an input is told so; what becomes of it does not change.
+/// A component that writes into an input gets a remark; the signal's effect does not change.
 void on_fault(int signal, siginfo_t* info, void* /*context*/) {
   const testing::SpoiltInput spoilt = testing::spoilt_input_at(info->si_addr);
   if (spoilt.input != nullptr) {

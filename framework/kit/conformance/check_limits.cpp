@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a component takes, and what it leaves as it was.
+// Checks on the resources that a component takes and on the process state that it must preserve.
 #include <fmt/format.h>
 
 #include <cstdlib>
@@ -73,7 +73,7 @@ void check_floating_point(Play& play, Page& page) {
 }
 
 void check_descriptors(Play& play, Page& page) {
-  play.whole();  // what a library opens once may stay
+  play.whole();  // files that a library opens once may stay open
   const std::size_t before = count_descriptors();
   for (int i = 0; i < kInstances; ++i) play.whole();
   const std::size_t after = count_descriptors();
@@ -103,8 +103,8 @@ int call_for_a_while(Play& play, Performer& performer) {
   return calls;
 }
 
-/// What leaks grows in each round; what an allocator or a cache keeps does not. Few calls leave too
-/// little to be seen in the process, and are seen in the heap.
+/// A leak grows in each round; the memory of an allocator or a cache does not. Leaks of few calls
+/// are too small for the figures of the process, but show in the heap.
 void check_memory(Play& play, Page& page) {
   Performer performer(play.subject(), {.protects_inputs = false});
   if (!play.begin(performer).is_usable()) return;
@@ -141,7 +141,7 @@ void check_opencv(Play& play, Page& page) {
                           before, opencv_threads()));
 }
 
-/// The C library's generator goes on as if nobody else had drawn from it.
+/// The C library's generator must continue as if only the program used it.
 void check_generator(Play& play, Page& page) {
   constexpr unsigned kSeed = 7;
   std::srand(kSeed);
@@ -172,7 +172,7 @@ void check_isolated(Play& play, Page& page) {
 void check_limits(const Setting& setting, Notebook& notebook) {
   const auto before = process_state();
   const auto made = Play::of(setting);
-  if (!made) return;  // told of its parameters
+  if (!made) return;  // reported by the check of its parameters
   Play& play = **made;
   Usual usual(play);
   const auto state = [&](const char* what, const char* fix) {

@@ -10,11 +10,11 @@ namespace weft::conformance {
 /// A check as the page lists it.
 struct CheckInfo {
   std::string name;      ///< "limits/descriptors"; "contract/without_*" stands for each input
-  std::string sentence;  ///< what holds
-  bool brief = false;    ///< whether it is made where little time is to be taken
+  std::string sentence;  ///< the property that holds
+  bool brief = false;    ///< true if it is also made in a quick run
 };
 
-/// Of all groups, in the order in which they are made.
+/// The checks of all groups, in the order in which they are made.
 const std::vector<CheckInfo>& all_checks();
 
 /// Null where there is no such check.

@@ -23,7 +23,7 @@
 namespace weft::conformance {
 namespace {
 
-constexpr std::uint64_t kMostManifestBytes = 16 << 20;  ///< of a manifest
+constexpr std::uint64_t kMostManifestBytes = 16 << 20;  ///< maximum size of a manifest
 constexpr double kLongLoading_ms = 100.0, kLongestLoading_ms = 300.0;
 
 off_t printed_bytes() {
@@ -46,7 +46,7 @@ double loading_ms(const std::string& library) {
   });
   const bool is_measured = !seen.empty() && seen.front().verdict == Verdict::holds;
   return is_measured ? std::stod(seen.front().seen)
-                     : 0.0;  // what cannot be loaded is told elsewhere
+                     : 0.0;  // another check reports libraries that cannot be loaded
 }
 
 /// Twice, for the first time what it needs may come from a disk.
@@ -87,7 +87,7 @@ void check_static_tls(const std::string& library, Page& page) {
               "(DF_STATIC_TLS): compile it with -fPIC and without -ftls-model=initial-exec");
 }
 
-/// What is wrong with a text of the table; empty where nothing is.
+/// The error of a text of the table; empty if there is none.
 std::string mistake_in(const char* text, const char* name) {
   if (text == nullptr)
     return fmt::format("its '{}' is null: give \"\" where there is nothing", name);

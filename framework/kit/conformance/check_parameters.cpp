@@ -20,11 +20,11 @@ constexpr milliseconds kLongestCalls{300};  ///< with one choice of values
 constexpr std::chrono::seconds kLongestPairs{20}, kLongestEnds{30};
 constexpr int kPairs = 200, kLive = 3;
 
-/// What a component answers with these parameters, or the refusal of them. It is told to stop
-/// after a while: values may ask for much work.
+/// The answers of a component with these parameters, or their refusal. Calls are cancelled after a
+/// while, because some values cause much work.
 struct Tried {
   std::vector<Answer> answers;
-  std::string mistake;  ///< what is illegal; empty where nothing is
+  std::string mistake;  ///< description of the first illegal answer; empty if there is none
 };
 
 Tried try_out(const Setting& setting, const yaml::Node& params) {
@@ -76,7 +76,7 @@ void check_ends(const Setting& setting, const yaml::Node& base, Page& page) {
                       : fmt::format("{} values; no time for {} more", made, left));
 }
 
-/// What create says to values that the host would never let through.
+/// Checks the answer of create to values that the host would never pass on.
 void check_refusal(const weft_component& component, const Illegal& illegal, Page& page) {
   void* self = nullptr;
   weft_error error = kNoError;
@@ -136,7 +136,7 @@ void check_pairs(const Setting& setting, const yaml::Node& base, Page& page) {
   page.note(fmt::format("{} pairs{}", made, made < kPairs ? ", then the time was over" : ""));
 }
 
-/// What an answer holds, in so few words that two can be compared.
+/// A short text of an answer, such that two can be compared.
 std::string digest(const Answer& answer) {
   std::string text = fmt::format("reports {}", to_text(answer));
   for (const auto& [slot, record] : answer.outputs) {
@@ -145,7 +145,7 @@ std::string digest(const Answer& answer) {
   return text;
 }
 
-/// What it says in a process that nobody has called anything in; empty where that is not known.
+/// The digest of an answer in a fresh process, without earlier calls; empty if that is unknown.
 std::string digest_in_child(const std::function<Answer()>& ask) {
   const auto findings =
       check_in_child("digest", {}, std::chrono::seconds(60), [&](Notebook& notebook) {
@@ -208,7 +208,7 @@ void check_parameters(const Setting& setting, Notebook& notebook) {
   const host::Installed& entry = *setting.candidate.installed();
   const auto loaded = host::load(entry);
   const auto base = parsed_params(setting.candidate.params);
-  if (!loaded || !base) return;  // told elsewhere
+  if (!loaded || !base) return;  // reported by another check
   // The first one, for it wants a process in which nothing has been called.
   notebook.check("parameters/live", [&](Page& page) { check_live(setting, *base, page); });
   notebook.check("parameters/defaults", [&](Page& page) { check_defaults(entry.component, page); });

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a component says beyond its declarations, and hosts that are older or newer than this one.
+// Checks extensions beyond a component's declarations, and hosts that are older or newer than this
+// one.
 #include <fmt/format.h>
 
 #include <array>
@@ -51,7 +52,7 @@ void check_methods(Play& play, const weft_component& component, Page& page) {
               "it declares methods that its role does not have");
 }
 
-/// Calls a method that there is not, of whatever the execution context asks for.
+/// Calls a method that does not exist, on each call by the execution context.
 class OddMethod final : public testing::Passage {
  public:
   std::int32_t process(const weft_component& component, void* self, const weft_call& call,
@@ -87,13 +88,13 @@ void check_host(Play& play, Usual& usual, testing::Passage& host, const char* fi
 void check_table(const Setting& setting, Notebook& notebook) {
   const host::Installed& entry = *setting.candidate.installed();
   const auto loaded = host::load(entry);
-  if (!loaded) return;  // told of its loading
+  if (!loaded) return;  // reported by the check of its loading
   const weft_component& component = **loaded;
   notebook.check("table/unknown_extension", [&](Page& page) { check_unknown(component, page); });
   notebook.check("table/extensions_stable",
                  [&](Page& page) { check_stable(component, entry.component, page); });
   const auto play = Play::of(setting);
-  if (!play) return;  // told of its parameters
+  if (!play) return;  // reported by the check of its parameters
   notebook.check("table/methods", [&](Page& page) { check_methods(**play, component, page); });
   notebook.check("table/unknown_method", [&](Page& page) { check_unknown_method(**play, page); });
   Usual usual(**play);

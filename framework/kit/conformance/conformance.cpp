@@ -10,7 +10,7 @@
 namespace weft::conformance {
 namespace {
 
-constexpr std::string_view kGeometry = "geometry";  ///< asked of who owes it, or by name
+constexpr std::string_view kGeometry = "geometry";  ///< for components that owe it, or by name
 constexpr const char* kSkips = "skips";  ///< the name of no check, for why there are none
 
 /// The first check of a group.
@@ -21,7 +21,7 @@ std::string first_of(const std::string& group) {
   return group;
 }
 
-/// Whether any of its checks is to be made.
+/// True if any of its checks is requested.
 bool is_asked_for(const Group& group, const Candidate& candidate, const Choice& choice) {
   const std::string prefix = std::string(group.name) + "/";
   if (!choice.only.empty()) return choice.only == group.name || choice.only.starts_with(prefix);
@@ -32,8 +32,8 @@ bool is_asked_for(const Group& group, const Candidate& candidate, const Choice& 
   });
 }
 
-/// Why it can be loaded and not called: it lacks a device. Asked in a process of its own, for the
-/// library knows.
+/// The reason why it can be loaded but not called: it lacks a device. Queried in a separate
+/// process, because only the library can detect its device.
 std::string lack_of_device(const Setting& setting) {
   const auto& extensions = setting.candidate.installed()->component.extensions;
   if (std::find(extensions.begin(), extensions.end(), WEFT_DEVICES) == extensions.end()) return "";
@@ -50,7 +50,7 @@ std::string lack_of_device(const Setting& setting) {
   return lacks ? findings.front().seen : "";
 }
 
-/// Whether a parameter is required and none is given.
+/// True if a required parameter is missing.
 bool lacks_parameters(const Candidate& candidate) {
   if (candidate.params != "{}") return false;
   const auto& parameters = candidate.installed()->component.parameters;
@@ -58,8 +58,8 @@ bool lacks_parameters(const Candidate& candidate) {
                      [](const host::ParameterSpec& each) { return each.required; });
 }
 
-/// What fails and is said to is a deviation; what is said to and holds is a failure, as is what is
-/// no check at all.
+/// A failing check that the page lists is a deviation. A listed check that holds is a failure, and
+/// so is a listed name that is no check.
 void apply_deviations(const std::vector<std::string>& known, std::vector<Finding>& findings) {
   for (const std::string& deviation : known) {
     const std::string name = as_name(deviation);

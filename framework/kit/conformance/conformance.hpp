@@ -19,11 +19,11 @@ struct Report {
   bool fails() const { return count(Verdict::fails) > 0; }
 };
 
-/// Holds a component to the binary contract and to that of its role: each group of checks in a
-/// process of its own, a copy of this one, which must have one thread.
+/// Checks that a component conforms to the binary contract and to that of its role. Each group of
+/// checks runs in a separate process, a copy of this one, which must have one thread.
 Report check(const Candidate& candidate, const Choice& choice);
 
-/// Whether there is a group or a check of this name.
+/// True if there is a group or a check of this name.
 bool is_known(const std::string& group_or_check);
 
 }  // namespace weft::conformance

@@ -10,7 +10,7 @@ namespace weft::conformance {
 enum class Verdict {
   holds,
   fails,
-  deviates,        ///< fails, as the component's page says
+  deviates,        ///< fails, according to the component's page
   does_not_apply,  ///< to this component, here
 };
 
@@ -19,11 +19,12 @@ inline const char* to_text(Verdict verdict) {
   return kNames[static_cast<int>(verdict)];
 }
 
-/// What became of a check.
+/// The result of a check.
 struct Finding {
   std::string check;  ///< "limits/descriptors"
   Verdict verdict = Verdict::holds;
-  std::string seen;  ///< of a failure what was seen and the fix; why it does not apply; a figure
+  std::string seen;  ///< for a failure, the observation and the fix; the reason why it does not
+                     ///< apply; a figure
 };
 
 /// Which checks are made.

@@ -13,7 +13,7 @@ namespace weft::conformance {
 /// Checks that are made in one process.
 struct Group {
   const char* name;
-  const char* sentence;  ///< what it is about
+  const char* sentence;  ///< its subject
   void (*make)(const Setting& setting, Notebook& notebook);
   std::chrono::seconds longest;  ///< for one check
   bool calls = true;  ///< makes instances, for which parameters are needed, and maybe a device

@@ -21,12 +21,12 @@ using std::chrono::milliseconds;
 constexpr int kWidth_px = 3840, kHeight_px = 2160;
 constexpr std::int64_t kMatches = 100'000;
 constexpr rlim_t kMostMemory = 16ULL << 30U;  ///< [bytes] of addresses
-constexpr double kPatience_ms = 30'000.0;     ///< of processor time, until it is told to stop
-constexpr double kHeadStart_ms = 20.0;        ///< of a call that is to be stopped
+constexpr double kPatience_ms = 30'000.0;     ///< CPU time until the call is cancelled
+constexpr double kHeadStart_ms = 20.0;        ///< time of a call before it is cancelled
 constexpr int kMostWaiting = 4;               ///< times as long it may take, for it may wait
 constexpr double kSoon_ms = 50.0, kLongest_ms = 2'000.0, kLongestWait_ms = 10'000.0;
 
-/// The scene with an image and a region of the larger size, drawn anew.
+/// The scene with an image and a region of the larger size, generated again.
 void enlarge_image(Scene& scene, Rng& rng) {
   scene.image.pixels = Array<std::uint8_t>({kHeight_px, kWidth_px}, 128);
   testing::draw_discs(scene.image.pixels, rng);
@@ -54,13 +54,13 @@ void multiply_matches(Scene& scene, Rng& rng) {
   scene.follow_matches();
 }
 
-/// One call with large inputs, told to stop after some time.
+/// One call with large inputs, cancelled after some time.
 struct Large {
   Answer answer;
-  double took_ms = 0.0;         ///< of wall clock, all of it
+  double took_ms = 0.0;         ///< wall-clock time of the whole call
   double after_stop_ms = -1.0;  ///< from then on, without what others took of the processor; below
                                 ///< 0 where it had ended
-  double busy_ms = 0.0;         ///< of processor time, from then on
+  double busy_ms = 0.0;         ///< CPU time after the cancellation
   std::string refused;          ///< why there was no call
 };
 

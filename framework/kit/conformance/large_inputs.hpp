@@ -7,10 +7,10 @@
 /// Calls with an image of 3840 x 2160 or 100,000 matches.
 namespace weft::conformance {
 
-/// It comes to an end, or stops when it is told to after a while.
+/// Checks that a call with large inputs ends, or stops if it is cancelled after a while.
 void check_large(const Setting& setting, Page& page);
 
-/// It stops soon after it was told to.
+/// Checks that it stops soon after a cancellation.
 void check_cancelled(const Setting& setting, Page& page);
 
 }  // namespace weft::conformance

@@ -11,10 +11,10 @@
 namespace weft::conformance {
 namespace {
 
-// A note is its kind and fields, kept apart and ended by characters that no text of ours has.
+// A note is its kind and fields, separated and ended by characters that no text of ours has.
 constexpr char kBegun = 'b', kEnded = 'e', kRemark = 'r';
 constexpr char kField = '\x1f', kEnd = '\x1e';
-constexpr int kMostReported = 4;  ///< of one check
+constexpr int kMostReported = 4;  ///< maximum number of reports of one check
 
 }  // namespace
 
@@ -72,7 +72,7 @@ void Notebook::write(const std::string& line) const {
   if (getpid() != process_) _exit(0);  // a copy, which a component made with fork() and let return
   for (std::size_t done = 0; done < line.size();) {
     const ssize_t wrote = ::write(file_, line.data() + done, line.size() - done);
-    if (wrote <= 0) return;  // nobody reads it any more
+    if (wrote <= 0) return;  // the reader has gone
     done += static_cast<std::size_t>(wrote);
   }
 }

@@ -12,7 +12,7 @@
 
 namespace weft::conformance {
 
-/// What is seen in one check. It holds unless something else is said.
+/// The observations of one check. The check holds unless an observation contradicts it.
 class Page {
  public:
   void fail(const std::string& seen);
@@ -20,7 +20,7 @@ class Page {
     if (!holds) fail(seen);
   }
   void skip(const std::string& why);
-  void note(const std::string& figure);  ///< for whoever asks for it, where it holds
+  void note(const std::string& figure);  ///< for readers who request it, if the check holds
 
   bool failed() const { return verdict_ == Verdict::fails; }
   Finding finding(const std::string& check) const { return {check, verdict_, seen_}; }
@@ -31,8 +31,8 @@ class Page {
   int reported_ = 0;
 };
 
-/// Where the checks of a group are written down, one by one, so that those before a crash are
-/// known. Written by the process that makes them, read by the one that asked for them.
+/// The record of the checks of a group, one by one, so that those before a crash are kept. The
+/// process that makes the checks writes it, and its parent reads it.
 class Notebook {
  public:
   /// Writes to this file.
@@ -47,8 +47,7 @@ class Notebook {
   void begin(const std::string& name);
   void end(const Page& page);
 
-  /// What is to be said of the check that is being made if its process ends: for handlers of
-  /// signals.
+  /// The remark on the current check if its process ends: for signal handlers.
   static void remark(int file, const char* text);
 
  private:
@@ -61,7 +60,7 @@ class Notebook {
   std::optional<std::string> open_;
 };
 
-/// What a notebook holds.
+/// The content of a notebook.
 struct Notes {
   std::vector<Finding> findings;  ///< [.] in the order of the checks
   std::string unfinished;         ///< the check in which it ends; empty where it was closed

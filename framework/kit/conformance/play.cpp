@@ -30,7 +30,7 @@ bool is_near(const weft_array& a, const weft_array& b, std::size_t count) {
   return worst <= kLoose * largest;
 }
 
-/// Of arrays of the same type and lengths.
+/// Compares arrays of the same type and lengths.
 bool is_near(const weft_array& a, const weft_array& b) {
   std::size_t count = 1;
   for (int i = 0; i < a.ndim; ++i) count *= to_index(a.shape[i]);
@@ -113,7 +113,7 @@ Answer Play::open(Performer& performer) const {
   const PipelinePart part = subject_.rules().part;
   if (part == PipelinePart::source) return performer.call(kOpenSource, {});
   if (part != PipelinePart::sink) return {};
-  std::error_code ignored;  // what an earlier one wrote, a sink may refuse to touch
+  std::error_code ignored;  // a sink may refuse to overwrite the files of an earlier one
   for (const auto& entry : std::filesystem::directory_iterator(folder_->path(), ignored)) {
     std::filesystem::remove_all(entry.path(), ignored);
   }

@@ -28,8 +28,8 @@ struct Setting {
   std::array<Scene, 2> scenes;  ///< [2] one per frame
 };
 
-/// A component with its parameters, and usual calls of it, whatever its role is. What it writes
-/// stands in a folder of its own, which is gone with this.
+/// A component with its parameters, and usual calls of it, for any role. It writes into a temporary
+/// directory, which is deleted with this object.
 class Play {
  public:
   static Result<std::unique_ptr<Play>> of(const Setting& setting,
@@ -47,13 +47,13 @@ class Play {
   /// Ends what a sink writes.
   Answer end(Performer& performer) const;
 
-  /// All of it, from its creation to its end: two frames, in an instance of its own. A warp is
-  /// evaluated too.
+  /// The whole life of an instance, from its creation to its end: two frames, in a new instance. A
+  /// warp is evaluated too.
   std::vector<Answer> whole(const Performance& how = {});
   /// The same in an instance that there is, but for its creation.
   std::vector<Answer> frames(Performer& performer);
 
-  /// What is illegal in the answer to a frame, in words; empty where nothing is.
+  /// The error of the answer to a frame, in words; empty if there is none.
   std::string mistake_in(const Answer& answer, std::uint64_t frame) const;
 
  private:
@@ -65,7 +65,7 @@ class Play {
   std::array<testing::Case, 2> cases_;
 };
 
-/// What a component says to usual calls, asked for once and only if somebody wants to know.
+/// The answers of a component to usual calls, computed once and only on request.
 class Usual {
  public:
   explicit Usual(Play& play) : play_(play) {}
@@ -79,9 +79,9 @@ class Usual {
   std::vector<Answer> answers_;
 };
 
-/// How some answers differ from others: in any byte where the component is exact; in status and
-/// lengths, and by more than a thousandth of the largest number, where it is not. Empty where they
-/// do not.
+/// The difference between two lists of answers. If the component is exact, any byte counts.
+/// Otherwise status, lengths, and differences above a thousandth of the largest number count. Empty
+/// if there is none.
 std::string difference(const testing::Subject& subject, const std::vector<Answer>& a,
                        const std::vector<Answer>& b);
 std::string difference(const testing::Subject& subject, const Answer& a, const Answer& b);

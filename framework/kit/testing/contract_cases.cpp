@@ -157,7 +157,8 @@ std::vector<Case> cases_of(const Subject& subject) {
   const Scene usual = make_scene(0, subject.seed);
   add("with a usual input", Expect::answer, usual, {});
   add("with another frame", Expect::answer, make_scene(1, subject.seed), {});
-  // What stands before the first frame, or behind a stage that found nothing, must not be missed.
+  // A component must work without inputs that are absent in the first frame or after a stage
+  // without a result.
   Slots optional;
   for (const RoleSlot& slot : subject.rules().main_method().inputs) {
     if (!subject.takes(slot.name) || subject.requires_input(slot.name)) continue;

@@ -12,11 +12,11 @@
 
 namespace weft::testing {
 
-/// What a component may answer to an input.
+/// The legal answers of a component to an input.
 enum class Expect {
   answer,   ///< ok or degenerate
-  any,      ///< also no_result or an error that says why; but not ok with nothing
-  warning,  ///< as any, but never ok: there is nothing to go by
+  any,      ///< also no_result or an error with a reason; but not ok with empty outputs
+  warning,  ///< as any, but never ok: the input contains no information
 };
 
 /// An input of a stage's method.
@@ -32,7 +32,7 @@ struct Case {
   }
 };
 
-/// What the scene holds of the inputs that the component takes, but for those `left_out`.
+/// The scene's values for the inputs that the component takes, except those in `left_out`.
 std::vector<Input> inputs_of(const Subject& subject, const Scene& scene,
                              const std::set<std::string>& left_out = {});
 

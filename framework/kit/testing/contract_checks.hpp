@@ -27,7 +27,7 @@ class Checks {
     if (!holds) fail(why);
   }
   void skip(const std::string& why) { report_.skipped = why; }
-  /// Of the check that was begun last.
+  /// Refers to the check that was begun last.
   void does_not_apply(const std::string& why) {
     report_.inapplicable.push_back(what_ + ": " + why);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sources, templates and sinks: what stands at the ends of a pipeline.
+// Checks of sources, templates and sinks, the components at the ends of a pipeline.
 #include <fstream>
 #include <sstream>
 #include <weft/data/matrix.hpp>
@@ -38,7 +38,7 @@ void check_frame(const Subject& subject, const Camera& camera, const Answer& fra
   }
 }
 
-/// Says whether the camera could be had.
+/// Returns the camera if the source could be opened.
 std::optional<Camera> check_open(Performer& performer, Checks& checks) {
   checks.begin("opened");
   const Answer opened = open_source(performer);
@@ -71,7 +71,8 @@ std::map<std::string, std::string> files_in(const std::filesystem::path& folder)
 
 using Files = std::map<std::string, std::string>;
 
-/// What it writes for so many frames, with what is optional in every other one alone.
+/// The files that it writes for this number of frames; optional inputs are given in every other
+/// frame alone.
 Files write_frames(const FindIn& find, int frames, Checks& checks) {
   const ScratchFolder folder;
   const auto subject = find(folder.path().string());
@@ -104,7 +105,7 @@ Files write_frames(const FindIn& find, int frames, Checks& checks) {
 void check_source(const Subject& subject, Checks& checks) {
   Performer performer(subject);
   const Scene scene = make_scene(0, subject.seed);
-  if (auto made = performer.begin(scene.templ, scene.camera); !made) return;  // told already
+  if (auto made = performer.begin(scene.templ, scene.camera); !made) return;  // already reported
   const auto camera = check_open(performer, checks);
   if (!camera) return;
   checks.begin("counted");
@@ -140,7 +141,7 @@ void check_template(const Subject& subject, Checks& checks) {
   const auto build = [](Performer& performer) { return performer.call(kBuildTemplate, {}); };
   Performer performer(subject);
   const Scene scene = make_scene(0, subject.seed);
-  if (!performer.begin(scene.templ, scene.camera)) return;  // told already
+  if (!performer.begin(scene.templ, scene.camera)) return;  // already reported
   checks.begin("built");
   const Answer built = build(performer);
   check_answer(built, checks);

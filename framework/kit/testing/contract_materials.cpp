@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kDescriptorLength = 128;
 
-/// Where the sheet maps points of the texture to in the image.
+/// The map from points of the texture to the image.
 struct TrueMap {
   const Template& templ;
   const Camera& camera;

@@ -3,20 +3,20 @@
 
 #include "kit/testing/contract_scene.hpp"
 
-/// What the scenes of the contract are made of.
+/// Parts of the scenes of the contract.
 namespace weft::testing {
 
 /// Discs of random grey levels: corners, blobs and edges for any detector.
 void draw_discs(Array<std::uint8_t>& pixels, Rng& rng);
 
-/// Adds all that descriptors say of matches.
+/// Adds all arrays of matches that follow from descriptors.
 void describe(LabelledMatches& drawn, Rng& rng);
 
 /// Keypoints at these places, whose descriptors are those of any other call with the same `rng`,
 /// but for the noise, in grey levels.
 Keypoints make_keypoints(const Points2View& places, Rng rng, double noise, Rng noise_rng);
 
-/// The same keypoints with a bit for each pair of neighbouring numbers in place of the numbers.
+/// The same keypoints with a bit for each pair of neighbouring numbers instead of the numbers.
 Keypoints with_bits(Keypoints keypoints);
 
 /// The map from texture to image, with its derivatives, at the template's vertices.

@@ -17,7 +17,7 @@ bool all_within(const Array<T>& values, double low, double high) {
 
 bool is_flag(const Array<std::uint8_t>& values) { return all_within(values, 0, 1); }
 
-/// Who is given no image knows its size from the camera.
+/// Without an image, a component takes the size from the camera.
 bool is_mask_of_image(const Case& given, const Region& made) {
   const Array<std::uint8_t>& pixels = given.scene.image.pixels;
   const Camera& camera = given.scene.camera;
@@ -114,7 +114,7 @@ void check_shape(const Case& given, const Shape& made, Checks& checks) {
 void check_answer(const Answer& answer, Checks& checks) {
   if (answer.status == WEFT_CANCELLED)
     return checks.fail("reports cancelled without a cancellation");
-  // The host says so where a component left the text empty.
+  // The host writes this text if a component left it empty.
   const bool no_reason =
       answer.message.empty() || answer.message.starts_with("gave no reason for its status");
   if (answer.status != WEFT_OK && no_reason) {

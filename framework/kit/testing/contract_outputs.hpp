@@ -6,14 +6,14 @@
 
 namespace weft::testing {
 
-/// That an answer is one that the contract knows: no broken output, and a reason for whatever is
-/// not ok. The host has compared lengths and types with the catalogue.
+/// Checks that an answer conforms to the contract: no broken output, and a reason for each status
+/// other than ok. The host has compared lengths and types with the catalogue.
 void check_answer(const Answer& answer, Checks& checks);
 
-/// Whether the outputs hold nothing: no keypoint, no match, no match that is kept, no sightline.
+/// True if the outputs are empty: no keypoint, no match, no match that is kept, no sightline.
 bool is_nothing(const Answer& answer);
 
-/// What the records that a stage makes promise beyond the catalogue.
+/// Checks the properties that a stage's records guarantee beyond the catalogue.
 void check_outputs(const Subject& subject, const Case& given, const Answer& answer, Checks& checks);
 
 }  // namespace weft::testing

@@ -36,8 +36,8 @@ std::pair<std::int32_t, int> corner_of(const Template& templ, std::int64_t verte
   return {-1, 0};
 }
 
-/// Draws the sheet over the image: the mean of the texels that fall on each pixel, for the sheet is
-/// seen smaller than its texture.
+/// Renders the surface over the image with the mean of the texels that fall on each pixel, because
+/// the surface appears smaller than its texture.
 void draw_sheet(const Template& templ, const Camera& camera, const DevelopableSheet& sheet,
                 Array<std::uint8_t>& pixels) {
   std::vector<double> sum(to_index(pixels.size())), count(to_index(pixels.size()));

@@ -18,7 +18,7 @@
 
 namespace weft::testing {
 
-/// One frame of a bent sheet with a value for every input that a role may ask for, except `warp`.
+/// One frame of a bent surface with a value for every input that a role may request, except `warp`.
 struct Scene {
   Camera camera;
   Template templ;
@@ -37,13 +37,13 @@ struct Scene {
   FrameReport frame_report;
   RunSettings run_settings;
 
-  /// The matches of these rows in place of all, with the sightlines and the truth that are theirs.
+  /// Keeps only the matches of these rows, with their sightlines and truth.
   void take_matches(const std::vector<std::int64_t>& rows);
-  /// Matches and sightlines at these vertices in place of all.
+  /// Replaces all matches and sightlines by ones at these vertices.
   void match_vertices(const std::vector<std::int64_t>& vertices);
-  /// Rejects matches of which nothing is left then, sightlines neither.
+  /// Rejects all matches, which leaves no sightlines either.
   void reject_matches();
-  /// No match knows its face.
+  /// Removes the faces of all matches.
   void leave_the_mesh();
 
   /// Null where there is none for this input, or where it is no legal record.
@@ -56,7 +56,8 @@ struct Scene {
 /// Scene `number`; all of a seed have the same template and camera.
 Scene make_scene(int number, std::uint64_t seed = kContractSeed);
 
-/// The same with other matches, drawn as `draw` says; `round` tells draws apart.
+/// The same with other matches, generated with the settings `draw`; `round` makes each draw
+/// different.
 Scene make_scene(int number, const MatchSpec& draw, int round = 0,
                  std::uint64_t seed = kContractSeed);
 

@@ -40,7 +40,7 @@ void check_status(const Subject& subject, const Case& given, const Answer& answe
   }
 }
 
-/// All cases, each on an instance of its own.
+/// All cases, each on a new instance.
 std::vector<Answer> ask_fresh(const Subject& subject, const std::vector<Case>& cases,
                               Checks& checks) {
   std::vector<Answer> answers;

@@ -19,7 +19,7 @@ void check_source(const Subject& subject, Checks& checks);
 /// Builds the template.
 void check_template(const Subject& subject, Checks& checks);
 
-/// Two frames into a folder of its own. `find` makes the subject with another output folder.
+/// Writes two frames into a temporary folder. `find` makes the subject with another output folder.
 using FindIn = std::function<Result<Subject>(const std::string& output_folder)>;
 void check_sink(const FindIn& find, Checks& checks);
 
@@ -29,8 +29,8 @@ void check_component(const FindIn& find, Checks& checks);
 /// Why a component that computes on devices cannot be tried here; empty where it can.
 std::string lacks_device(const Subject& subject);
 
-/// The same answer from `answer(performer)` after it was told to stop: at once, and after a few of
-/// the times that it asks. `begin` makes a performer ready.
+/// Checks for the same answer from `answer(performer)` after cancellation: at once, and after a few
+/// polls of the cancel flag. `begin` makes a performer ready.
 using AskFor = std::function<Answer(Performer&)>;
 void check_cancelling(const Subject& subject, const Scene& scene, const AskFor& begin,
                       const AskFor& ask, Checks& checks);

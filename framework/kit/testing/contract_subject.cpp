@@ -180,7 +180,7 @@ std::int32_t Passage::process(const weft_component& component, void* self, const
   return component.process(self, &call, inputs.data(), inputs.size(), error);
 }
 
-/// What stands in the place of an instance whose calls take a passage.
+/// Replaces an instance whose calls take a passage.
 struct Performer::Passed {
   Passage& passage;
   const weft_component& component;

@@ -34,32 +34,32 @@ class ScratchFolder {
 /// The component that is checked, with its parameters as the host resolves them.
 class Subject {
  public:
-  /// Fails with a sentence that says what is missing and how to give it.
+  /// Fails with a sentence that names the missing parameter and how to give it.
   static Result<Subject> find(const host::Registry& registry, const std::string& id,
                               const std::string& params, const std::string& output_folder);
   static Result<Subject> find(const host::Registry& registry, const std::string& id,
                               const yaml::Node& params, const std::string& output_folder);
 
-  /// The same component where a pixel is `px` pixels and a metre `m` metres: parameters whose
-  /// declared unit is of pixels of the image or of lengths in space have other values, those of
-  /// nested components too. Fails where one would leave its range.
+  /// The same component in other units: a pixel becomes `px` pixels, and a metre `m` metres. Scales
+  /// parameters whose declared unit is pixels of the image or lengths in space, those of nested
+  /// components too. Fails if one would leave its range.
   Result<Subject> in_units(double px, double m) const;
 
   const host::ComponentSpec& spec() const { return spec_; }
   const host::ComponentManifest& manifest() const { return spec_.component(); }
   const RoleRules& rules() const { return manifest().rules(); }
-  /// Whether it, or a component that it holds, draws from the seed.
+  /// True if it, or a component nested in it, uses the seed.
   bool is_random() const;
   bool is_exact() const { return manifest().determinism == "exact"; }
 
-  /// Whether the host delivers this input to its main method, and whether it insists on it.
+  /// True if the host delivers this input to its main method, and if the host requires it.
   bool takes(std::string_view slot) const;
   bool requires_input(std::string_view slot) const;
   bool produces(std::string_view output) const;
 
   /// Any warp that is installed, for components that read one.
   std::optional<host::ComponentSpec> warp_maker;
-  /// What its inputs are drawn from.
+  /// The seed of its inputs.
   std::uint64_t seed = kContractSeed;
 
  private:
@@ -69,7 +69,7 @@ class Subject {
   host::ComponentSpec spec_;
 };
 
-/// What a call came to, with all that lies on a device fetched.
+/// The result of a call, with all device arrays downloaded.
 struct Answer {
   weft_status status = WEFT_OK;
   Errc code = {};
@@ -113,7 +113,7 @@ struct Performance {
   std::shared_ptr<host::SharedArena> arena = nullptr;  ///< it lives in a worker, where there is one
 };
 
-/// An instance of the component in an execution context of its own.
+/// An instance of the component in a separate execution context.
 class Performer {
  public:
   explicit Performer(const Subject& subject, const Performance& how = {});

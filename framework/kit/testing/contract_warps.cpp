@@ -44,7 +44,7 @@ void check_derivatives(Performer& performer, const HostRecord& warp, const Point
     if (ahead.size() == 0 || behind.size() == 0) return checks.fail("there are no values beside");
     const Eigen::MatrixXd slope = (ahead - behind) / (2.0 * kStep_px);
     for (Eigen::Index column = 0; column < slope.cols(); ++column) {
-      // Of x and of y: first derivatives are du dv, second ones duu duv dvv.
+      // Index for x and for y: first derivatives are du dv, second ones duu duv dvv.
       const Eigen::Index derived =
           order == 1 ? 2 * column + along : 3 * (column / 2) + column % 2 + along;
       const double worst = (exact.col(derived) - slope.col(column)).cwiseAbs().maxCoeff();
@@ -65,7 +65,7 @@ void check_warp(const Subject& subject, Checks& checks) {
   if (!performer.begin(usual.scene.templ, usual.scene.camera)) return;
   if (!stranger.begin(usual.scene.templ, usual.scene.camera)) return;
   const HostRecord warp = performer.call(kRunStage, usual.inputs).find("warp");
-  if (warp == nullptr) return;  // told already
+  if (warp == nullptr) return;  // already reported
   const Points2 points = inner_texels(usual.scene.templ);
   const Points asked{make_array<double>(points), 2};
 

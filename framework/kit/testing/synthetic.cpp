@@ -15,7 +15,7 @@
 namespace weft::testing {
 namespace {
 
-/// The value of a Result that only a mistake in a test makes fail.
+/// The value of a Result that fails only through an error in a test.
 template <class T>
 T value_or_throw(Result<T> result) {
   if (!result) throw std::invalid_argument(result.error().message);

@@ -25,12 +25,13 @@ struct AblationState {
   std::size_t done = 0, failed = 0, left = 0;  ///< [] numbers of cells
   std::size_t damaged = 0;                     ///< cells whose only results cannot be trusted
   std::size_t stages = 0;                      ///< stages of the distinct keys that are finished
-  std::size_t stages_executed = 0;             ///< of these, executed; the others were shared
+  std::size_t stages_executed = 0;             ///< stages that were executed; the others were
+                                               ///< shared
   std::vector<std::string> reasons;            ///< why cells were left
-  Results results;  ///< of cells of other plans too, without errors by frame
+  Results results;  ///< includes cells of other plans, but no errors by frame
 };
 
-/// What the folder has of the grid's cells. Results that are accepted give their cells their keys.
+/// The grid's cells that the folder contains. Accepted results give their cells their keys.
 Result<AblationState> state_of(Grid& grid, const ResultsFolder& folder,
                                const AblationOptions& options);
 

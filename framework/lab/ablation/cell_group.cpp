@@ -257,7 +257,7 @@ class Group {
     return {};
   }
 
-  /// Records stand in shared memory where some stage runs in a process of its own.
+  /// Records are in shared memory if a stage runs in a separate process.
   Result<std::unique_ptr<host::ExecutionContext>> make_context() {
     const bool any = std::any_of(members_.begin(), members_.end(), [](const Member& member) {
       return has_isolated(member.config());

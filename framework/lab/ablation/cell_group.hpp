@@ -28,7 +28,8 @@ struct CellResult {
   std::vector<StageTiming> timings;   ///< times of these stages and of the source
   double seconds = 0.0;               ///< [s] its process took since its cell before
   std::string pipeline;               ///< the effective configuration, as YAML
-  std::vector<std::pair<std::string, std::string>> pictures;  ///< of the worst frames, by file name
+  std::vector<std::pair<std::string, std::string>> pictures;  ///< images of the worst frames, by
+                                                              ///< file name
   host::NamedRecords shapes;  ///< template, and shape and truth of some of the frames
 };
 
@@ -47,9 +48,9 @@ class GroupObserver {
 };
 
 /// Runs cells that read the same frames, in step: each frame is read once, and each stage key is
-/// executed once. What goes wrong in a cell is its result: it has failed where a run of its
-/// pipeline would end with exit code 1 or 2. What says nothing about the cell is not: memory that
-/// was short, a file that is gone or was changed meanwhile, a library that cannot be loaded.
+/// executed once. Errors of a cell are its result: it has failed if a run of its pipeline would end
+/// with exit code 1 or 2. Errors that do not depend on the cell are returned: lack of memory, a
+/// file that disappeared or changed meanwhile, a library that cannot be loaded.
 ///
 /// A cell fails, and runs no further frame, when its stages have taken longer than the plan's
 /// deadline. Work that cells share counts for the first of them.

@@ -7,10 +7,10 @@
 
 namespace weft::lab {
 
-/// Whether `path` is free for the results of a plan of this name, or holds results of it already.
-/// Where manifest.json or plan.json is missing, empty or cut off beside results, as a power cut or
-/// a full disk leaves them, the folder is usable all the same: returns a sentence for each of these
-/// files, which ResultsFolder::describe() writes anew.
+/// Checks that `path` is free for the results of a plan of this name, or already has results of it.
+/// A power cut or a full disk may leave manifest.json or plan.json missing, empty or truncated.
+/// Such a folder is usable: returns a sentence for each of these files, which
+/// ResultsFolder::describe() rewrites.
 Result<std::vector<std::string>> check_results_folder(const std::string& path,
                                                       const std::string& plan);
 

@@ -19,8 +19,8 @@ class WorstFrames {
   /// image, or without an error, is omitted.
   void add(const FrameMetrics& frame, host::NamedRecords records);
 
-  /// File names and contents of pictures, drawn by the sink (see Helpers); none where there is no
-  /// such sink or it cannot draw them.
+  /// File names and contents of images that the sink renders (see Helpers); none if the sink does
+  /// not exist or cannot render them.
   std::vector<std::pair<std::string, std::string>> draw(const std::string& sink,
                                                         const host::Registry& registry,
                                                         host::ExecutionContext& context,

@@ -18,7 +18,7 @@ struct PartCount {
 
 /// Resources of a process that did nothing else but run a pipeline.
 struct Counts {
-  bool allocations = false;      ///< whether they were counted; `parts` is empty otherwise
+  bool allocations = false;      ///< true if they were counted; `parts` is empty otherwise
   std::vector<PartCount> parts;  ///< [.] one per part of a frame
   double loaded_kib = 0.0;       ///< with the libraries loaded, before anything was made
   double peak_kib = 0.0;         ///< at most, from then on until the last frame
@@ -33,8 +33,9 @@ Result<Counts> count_here(const CheckedPipeline& pipeline, const Settings& setti
 std::string text_of(const Counts& counts);
 Result<Counts> counts_in(const std::string& text);
 
-/// Starts the command, whose first word is the path of a program, with this library loaded first
-/// (none where there is no such file), and reads the counts that it prints. `cancel` ends it.
+/// Starts the command, whose first word is the path of a program, and reads the counts that it
+/// prints. The process loads this library first, or none if the file does not exist. `cancel` ends
+/// it.
 Result<Counts> count_in_child(const std::vector<std::string>& command, const std::string& library,
                               const std::atomic<bool>& cancel);
 

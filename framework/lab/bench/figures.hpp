@@ -31,7 +31,7 @@ struct PartSample {
 
 /// A part of a frame in all frames that count and in which it was not skipped.
 struct Part {
-  std::string name;                    ///< of a stage or sink, or kHost or kFrame
+  std::string name;                    ///< name of a stage or sink, or kHost or kFrame
   std::vector<PartSample> samples;     ///< [.] one per frame
   std::vector<std::int64_t> statuses;  ///< [5] frames, by StageStatus
 };
@@ -48,8 +48,8 @@ std::vector<Part> parts_of(const std::vector<std::string>& names,
 /// Which of the two times.
 enum class Time { wall, processor };
 
-/// How many times as long one takes as another: the geometric mean over the turns of the geometric
-/// means of each turn, of frames that both have run in the same repetition.
+/// Ratio of the times of two subjects: the geometric mean over the turns of the geometric mean of
+/// each turn. Only frames count that both have run in the same repetition.
 struct Ratio {
   double ratio = kUnknown;  ///< [] geometric mean
   Interval interval;        ///< 95 %, bootstrap over the turns; unknown for fewer than 6

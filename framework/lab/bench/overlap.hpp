@@ -15,7 +15,7 @@ Result<std::vector<std::vector<Overlapped>>> measure_overlap(const Settings& set
 
 /// Results of frames that overlap.
 struct OverlapFigures {
-  int frames_at_once = 1, threads = 1;  ///< of the pipeline; threads that work on frames
+  int frames_at_once = 1, threads = 1;  ///< settings of the pipeline; threads that work on frames
   std::vector<double> frames_per_s;     ///< one a repetition: from the last frame that warms up on
   Spread frames_per_s_spread;
   Spread

@@ -91,7 +91,7 @@ Result<std::unique_ptr<PipelineSubject>> PipelineSubject::open(CheckedPipeline p
 PipelineSubject::~PipelineSubject() {
   if (loop_ == nullptr) return;
   context_->cancellation().watch(nullptr);
-  static_cast<void>(loop_->close_sinks());  // what they wrote is not kept
+  static_cast<void>(loop_->close_sinks());  // the files of the sinks are discarded
 }
 
 Result<void> PipelineSubject::open_all(std::int64_t frames) {

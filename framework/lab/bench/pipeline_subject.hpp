@@ -10,8 +10,9 @@
 
 namespace weft::bench {
 
-/// [bytes] of the records that a stage reads and makes in a frame; those that it has from its
-/// set-up, template and camera, are not among them, and what it hands on unchanged is not made.
+/// [bytes] of the records that a stage reads and makes in a frame. Template and camera, which it
+/// has from its set-up, do not count as read. Records that it passes on unchanged do not count as
+/// made.
 struct Moved {
   std::uint64_t in = 0, out = 0;  ///< [bytes] read; made
 };
@@ -23,8 +24,8 @@ CheckedPipeline without_sinks(CheckedPipeline pipeline);
 /// A pipeline with its first frames in memory.
 class PipelineSubject final : public Subject {
  public:
-  /// Opens the pipeline and reads at most so many frames, fewer where its source has fewer.
-  /// `cancel` outlives the subject. Writes nothing but what the pipeline's sinks do.
+  /// Opens the pipeline and reads at most `frames` frames, fewer if its source has fewer. `cancel`
+  /// outlives the subject. Only the pipeline's sinks write files.
   static Result<std::unique_ptr<PipelineSubject>> open(CheckedPipeline pipeline,
                                                        std::int64_t frames,
                                                        const std::atomic<bool>& cancel);
@@ -35,7 +36,8 @@ class PipelineSubject final : public Subject {
   Result<FrameSpent> run(std::int64_t frame) override;
   Result<Overlapped> run_overlapping(std::int64_t frames) override;
 
-  /// Ids of the components of the parts; a part with one of its own for the template has that too.
+  /// Ids of the components of the parts; a part with a separate component for the template has that
+  /// too.
   std::vector<std::string> components() const;
   /// Cost of the source for each frame.
   const std::vector<StageReport>& reading() const { return reading_; }
@@ -67,8 +69,8 @@ class PipelineSubject final : public Subject {
   std::map<std::string, std::int64_t> states_;
 };
 
-/// As many frames as all subjects have, at most those of the settings. Fails where that are fewer
-/// than 2, and with `exact` where they are fewer than asked for.
+/// Reduces the number of frames to what all subjects have. Fails if that is below 2, and with
+/// `exact` if it is below the number in the settings.
 Result<Settings> settled(const Settings& settings,
                          const std::vector<std::unique_ptr<PipelineSubject>>& subjects, bool exact);
 

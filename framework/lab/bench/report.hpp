@@ -36,9 +36,10 @@ struct Row {
 
 struct PipelineReport {
   Entry entry;
-  std::map<std::string, std::int64_t> states;  ///< of the shapes, warm-up included
+  std::map<std::string, std::int64_t> states;  ///< states of the shapes, warm-up included
   std::vector<Row> rows;                       ///< [.] rows of the table
-  std::vector<Part> parts;                     ///< what the rows are of, but for the source
+  std::vector<Part> parts;                     ///< the parts that the rows measure, except the
+                                               ///< source
   std::optional<Counts> counts;
   std::string why_no_counts;                ///< empty when there are
   std::optional<OverlapFigures> overlap{};  ///< present on request

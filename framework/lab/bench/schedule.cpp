@@ -11,7 +11,7 @@ namespace {
 std::vector<std::size_t> order_of(std::int64_t number, std::size_t pipelines) {
   std::vector<std::size_t> order(pipelines);
   for (std::size_t i = 0; i < pipelines; ++i) order[i] = (i + to_index(number)) % pipelines;
-  // Of two, rotating turns around already.
+  // Two pipelines already alternate by rotation.
   if (pipelines > 2 && (to_index(number) / pipelines) % 2 == 1) {
     std::reverse(order.begin(), order.end());
   }

@@ -6,8 +6,8 @@
 
 namespace weft::calibration {
 
-/// A chessboard with markers in its white squares (ChArUco), a plain one, and grids of circles; of
-/// the asymmetric one every second row is moved by half the distance of two circles in a row.
+/// A chessboard with markers in its white squares (ChArUco), a plain one, and grids of circles. In
+/// the asymmetric grid, every second row is shifted by half the distance of two circles in a row.
 enum class Pattern { charuco, chessboard, circles, asymmetric_circles };
 
 /// Side of a marker, of that of its square. Smaller ones leave more room around the corners, which
@@ -49,8 +49,8 @@ struct Paper {
 /// a4, a3, a2 or letter.
 Result<Paper> find_paper(const std::string& name);
 
-/// The board as a PDF of exact size, in the middle of a sheet that lies as fits it, with a caption
-/// and a bar of known length below. Errc::invalid_value where the paper does not hold it.
+/// The board as a PDF of exact size, centred on a paper in the better orientation, with a caption
+/// and a bar of known length below. Errc::invalid_value if the paper is too small.
 Result<std::string> board_page(const Board& board, const Paper& paper);
 
 }  // namespace weft::calibration

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kFewestCorners = 6;
 
-/// Whether corners lie near one line of the board, which does not say how it is turned.
+/// True if corners are near one line of the board, which leaves its orientation ambiguous.
 bool on_a_line(const Eigen::MatrixX2d& board_m, double square_m) {
   const Eigen::MatrixX2d around = board_m.rowwise() - board_m.colwise().mean();
   const Eigen::Matrix2d spread = around.transpose() * around / static_cast<double>(around.rows());

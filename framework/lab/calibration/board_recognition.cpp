@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kFewestMarkers = 6;
 constexpr double kMostOff = 0.25;         // squares: a lens moves markers by less
-constexpr double kMostOtherShare = 0.06;  // of the side of a square
+constexpr double kMostOtherShare = 0.06;  // fraction of the side of a square
 
 cv::Point2f middle_of(const std::vector<cv::Point2f>& corners) {
   return 0.25F * (corners[0] + corners[1] + corners[2] + corners[3]);
@@ -44,7 +44,8 @@ struct OnBoard {
   std::vector<cv::Point2f> places;  ///< where the board has their middles
 };
 
-/// By the homography of their middles; nothing where too few are seen, or all on one line.
+/// Computed with the homography of the markers' centres; nothing if too few are visible, or all on
+/// one line.
 std::optional<OnBoard> taken_back(const Markers& markers, const std::vector<int>& ids,
                                   const cv::aruco::CharucoBoard& charuco) {
   OnBoard board;

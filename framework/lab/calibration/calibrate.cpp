@@ -9,7 +9,8 @@
 namespace weft::calibration {
 namespace {
 
-/// A view is odd whose error is so many times the usual one, and one that can be seen.
+/// A view is an outlier if its error exceeds the usual one by this factor, and a visible size in
+/// px.
 constexpr double kOdd = 3.0, kOdd_px = 0.3;
 
 /// Moves the names of views that fit much worse than the others from `views` to `odd`.

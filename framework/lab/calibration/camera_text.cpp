@@ -10,7 +10,7 @@
 namespace weft::calibration {
 namespace {
 
-/// Our files have none, 5 or 8 numbers: k3 is 0 where it was not asked for.
+/// Our files have 0, 5 or 8 numbers: k3 is 0 if it was not estimated.
 std::string list(std::vector<double> numbers) {
   if (numbers.size() == 4) numbers.push_back(0.0);
   return fmt::format("[{}]", fmt::join(numbers, ", "));

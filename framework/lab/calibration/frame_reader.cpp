@@ -101,7 +101,7 @@ class CameraFrames final : public FrameReader {
  private:
   std::string name_;
   cv::VideoCapture capture_;
-  std::int64_t number_ = -1;  ///< of the last frame that was read
+  std::int64_t number_ = -1;  ///< number of the last frame that was read
 };
 
 }  // namespace
@@ -115,7 +115,7 @@ Result<std::unique_ptr<FrameReader>> open_film(const std::string& path, int fram
     return Error{Errc::not_found, path + ": there is no such file; correct its name", {}};
   }
   auto film = films::Film::open(path);
-  auto first = films::Film::open(path);  // FFmpeg opens some files of which it can read no frame
+  auto first = films::Film::open(path);  // FFmpeg opens some files without a readable frame
   if (!film || !first || first->advance() == films::Film::Step::end) {
     return Error{Errc::invalid_data,
                  path +

@@ -28,7 +28,7 @@ class FrameReader {
 /// views of all orientations belong together.
 std::unique_ptr<FrameReader> read_images(std::vector<std::string> paths);
 
-/// A video file, of which about so many frames are read, spread over its length.
+/// A video file; reads about `frames` frames, spread over its length.
 Result<std::unique_ptr<FrameReader>> open_film(const std::string& path, int frames);
 
 /// The camera /dev/videoN.

@@ -13,11 +13,11 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kLeastTilt_rad = 12.0 * kDegree, kLeastSpread_rad = 10.0 * kDegree;
 constexpr double kLeastShare = 0.4;
-/// Of the focal length and, for the centre, of the longer side of the image.
+/// Relative to the focal length and, for the centre, to the longer side of the image.
 constexpr double kMostDeviation = 0.01;
-/// Beyond it digits are lost to rounding, whatever the standard deviations say.
+/// Beyond it, digits are lost to rounding, even if the standard deviations are small.
 constexpr double kMostCondition = 1e8;
-/// Of the longer side of the image, at least a pixel.
+/// Relative to the longer side of the image, and at least one pixel.
 constexpr double kMostError = 1.0 / 500.0;
 
 /// How far tilts are off their mean, at most.

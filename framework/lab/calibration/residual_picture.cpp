@@ -60,7 +60,7 @@ Result<std::string> residual_picture(const Calibration& calibration) {
   std::vector<std::uint8_t> bytes;
   try {
     if (cv::imencode(".png", picture, bytes)) return std::string(bytes.begin(), bytes.end());
-  } catch (const cv::Exception&) {  // said below
+  } catch (const cv::Exception&) {  // reported below
   }
   return Error{Errc::unsupported, "the image of the residuals cannot be encoded as PNG", {}};
 }

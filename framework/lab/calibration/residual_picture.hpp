@@ -8,8 +8,8 @@
 
 namespace weft::calibration {
 
-/// A PNG of the image plane: from each corner as it is seen a line to where the camera puts it,
-/// enlarged so that the longest ones can be seen, with a bar that says by how much.
+/// A PNG of the image plane with a line from each detected corner to its projection by the camera.
+/// The lines are enlarged so that the longest ones are visible; a bar shows the scale.
 Result<std::string> residual_picture(const Calibration& calibration);
 
 }  // namespace weft::calibration

@@ -18,7 +18,7 @@ struct ViewError {
 /// A camera, and how far it can be trusted.
 struct Solution {
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  ///< px
-  std::vector<double> distortion;  ///< none, or k1 k2 p1 p2, k3, k4 k5 k6: so many as asked for
+  std::vector<double> distortion;  ///< none, or k1 k2 p1 p2, k3, k4 k5 k6: the requested number
   /// [4 + D] standard deviations of fx, fy, cx, cy and the distortion, if the errors of corners are
   /// independent and of one size.
   Eigen::VectorXd deviation;

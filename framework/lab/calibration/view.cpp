@@ -11,7 +11,7 @@
 namespace weft::calibration {
 namespace {
 
-/// Of the longer side of the image: an angle of view of 53 degrees.
+/// Relative to the longer side of the image: an angle of view of 53 degrees.
 constexpr double kUsualFocal = 1.0;
 
 /// The rotation of the board, by a camera that is about right; the identity where there is none.
@@ -83,7 +83,7 @@ std::vector<std::size_t> choose_views(const std::vector<View>& views, const Imag
     chosen.push_back(next);
     farness[next] = -1.0;
     for (std::size_t i = 0; i < views.size(); ++i) {
-      // Of views that are as far, the one with more corners.
+      // If views are equally far, the one with more corners wins.
       const double far = difference(placements[i], placements[next]) * std::sqrt(corners(i));
       farness[i] = std::min(farness[i], far);
     }

@@ -34,8 +34,8 @@ Eigen::Vector2d tilt_of(const Eigen::Vector3d& normal);
 
 Placement placement_of(const View& view, const ImageSize& size);
 
-/// Views as different from one another as can be, in order of their index, at most so many: those
-/// farthest from all chosen before, in place, size and tilt.
+/// At most `most` views in order of their index, chosen to differ as much as possible: each is the
+/// farthest from all chosen before, in position, size and tilt.
 std::vector<std::size_t> choose_views(const std::vector<View>& views, const ImageSize& size,
                                       std::size_t most);
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kStill_px = 1.5, kNew = 0.3;
 
-/// Whether both show the same corners, at about the same places.
+/// True if both show the same corners, at about the same positions.
 bool is_motionless(const View& before, const View& now) {
   if (before.board_m.rows() != now.board_m.rows() || before.board_m != now.board_m) return false;
   return (before.image_px - now.image_px).rowwise().norm().maxCoeff() < kStill_px;

@@ -26,8 +26,9 @@ class ViewCollection {
   /// Looks for the board. Errc::invalid_data for a frame of another size.
   Result<void> add(const Frame& frame);
 
-  /// The same for a camera that goes on giving frames: keeps a view only if the board has not moved
-  /// since the frame before, and if it is unlike all views that are kept. True if it was kept.
+  /// The same for a camera that continues to give frames. Keeps a view only if the board has not
+  /// moved since the previous frame, and if it differs from all views that are kept. Returns true
+  /// if it was kept.
   Result<bool> add_if_new(const Frame& frame);
 
   std::size_t frames() const { return frames_; }

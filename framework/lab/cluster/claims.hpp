@@ -8,9 +8,9 @@
 
 namespace weft::cluster {
 
-/// Which task runs a cell. A claim is a symbolic link `claims/KEY` to the id of its task: no file
-/// system lets two machines make the same one, and it is never there without its owner. A task that
-/// Slurm has put into the queue again keeps its id, and with it its claims.
+/// Assigns cells to tasks. A claim is a symbolic link `claims/KEY` to the id of its task. No file
+/// system lets two machines make the same link, and a link never exists without its target. A task
+/// that Slurm has requeued keeps its id, and with it its claims.
 ///
 /// Claims save work; results do not depend on them: of a cell that was run twice one line counts.
 class Claims {

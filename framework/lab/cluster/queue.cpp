@@ -26,7 +26,7 @@ class Look {
     for (const QueuedTask& task : queued) queued_.emplace(std::pair(task.job, task.task), &task);
   }
 
-  /// The newest submission comes first: it says why a cell has no result.
+  /// The newest submission comes first, because it explains why a cell has no result.
   void add(const Submission& submission) {
     for (int task = 0; task < static_cast<int>(submission.tasks.size()); ++task) {
       const Chunk& chunk = submission.tasks[to_index(task)];
@@ -78,7 +78,7 @@ class Look {
 
   const std::set<std::string>& left_;
   std::map<std::pair<std::string, int>, const QueuedTask*> queued_;
-  std::set<std::string> explained_;  ///< cells of which newer tasks have told
+  std::set<std::string> explained_;  ///< cells for which newer tasks have a reason
   QueueState state_;
 };
 

@@ -47,12 +47,12 @@ std::string one_line(const std::string& text) {
   return escaped(line, 500);
 }
 
-/// Of the reason why a task waits: "JobHeldUser", "launch failed requeued held" and their like.
+/// True for the reasons of a held task: "JobHeldUser", "launch failed requeued held" and the like.
 bool is_on_hold(const std::string& reason) {
   return reason.find("Held") != std::string::npos || reason.find("held") != std::string::npos;
 }
 
-/// Of what a program of Slurm printed: that it did not reach the controller, or not to the end.
+/// True if the output of a Slurm program shows that it lost contact with the controller.
 bool lost_contact(const std::string& text) {
   constexpr const char* kSigns[] = {"timed out",         "Unable to contact", "Zero Bytes",
                                     "onnection",         "Communication",     "Transport endpoint",
@@ -61,8 +61,8 @@ bool lost_contact(const std::string& text) {
                      [&](const char* sign) { return text.find(sign) != std::string::npos; });
 }
 
-/// What a program of Slurm printed. Fails with invalid_data where it may have done what it was
-/// asked for.
+/// The output of a Slurm program. Fails with invalid_data if the request may have been carried out
+/// all the same.
 Result<std::string> ask(const std::vector<std::string>& words) {
   constexpr std::chrono::minutes kLongest{15};
   const auto answer = process::run_program(words, {}, kLongest);
@@ -132,7 +132,9 @@ Result<std::vector<QueuedTask>> queued_tasks(const std::vector<std::string>& job
                                  "--states=all",
                                  "--name=" + joined(job_names),
                                  "--format=%j|%F|%K|%T|%r"};
-  if (clusters.empty()) words.emplace_back("--federation");  // of one that is in none: itself
+  if (clusters.empty())
+    words.emplace_back("--federation");  // without a federation: the local
+                                         // cluster
   add_clusters(words, clusters);
   const auto text = ask(words);
   if (!text) return text.error();

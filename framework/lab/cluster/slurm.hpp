@@ -15,14 +15,14 @@ struct QueuedTask {
   int task = 0;          ///< its own; kAllTasks where squeue has one line for several
   bool running = false;  ///< else it waits
   std::string hold_reason =
-      {};                    ///< why Slurm will not start it before somebody lets it go; else empty
+      {};                    ///< why Slurm will not start it before a user releases it; else empty
   std::string cluster = {};  ///< empty: the one that Slurm's programs talk to by themselves
 };
 constexpr int kAllTasks = -1;
 
-/// Of the jobs with these names, of any user, on these clusters, separated by commas. A task counts
-/// as queued unless Slurm says that it has ended. Lines that are not about these jobs are ignored:
-/// a site may print some.
+/// The tasks of the jobs with these names, of any user, on these clusters, separated by commas. A
+/// task counts as queued unless Slurm reports that it has ended. Lines that are not about these
+/// jobs are ignored, because a site may print some.
 Result<std::vector<QueuedTask>> queued_tasks(const std::vector<std::string>& job_names,
                                              const std::string& clusters = {});
 
@@ -35,8 +35,8 @@ struct Job {
   std::string id, cluster;  ///< an empty cluster is that of a QueuedTask
 };
 
-/// Calls sbatch with these arguments. Fails with invalid_data where the job may be in the queue all
-/// the same: sbatch lost contact, or said no number.
+/// Calls sbatch with these arguments. Fails with invalid_data if the job may be queued all the
+/// same: sbatch lost contact, or printed no number.
 Result<Job> submit(const std::vector<std::string>& arguments);
 
 /// Ends jobs of a cluster, or takes them out of the queue.

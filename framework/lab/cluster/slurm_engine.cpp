@@ -63,7 +63,7 @@ class SlurmEngine final : public lab::Engine {
     const auto chunks =
         cut_into_chunks(groups, {options_.chunk_minutes, cell_seconds, options_.processes});
     if (auto submitted = submit_all(order, chunks, said); !submitted) return submitted.error();
-    // SQLite is not safe on folders that machines share, and an index from before knows too little.
+    // SQLite is not safe on folders that machines share, and an older index lacks these cells.
     std::error_code ignored;
     fs::remove(results + "/index.sqlite", ignored);
     for (const Submission& submission : *known) {
@@ -88,7 +88,7 @@ class SlurmEngine final : public lab::Engine {
     return rest;
   }
 
-  /// An array holds so many tasks wherever Slurm's MaxArraySize is not set.
+  /// The default of Slurm's MaxArraySize allows this number of tasks.
   Result<void> submit_all(const lab::Order& order, const std::vector<Chunk>& chunks,
                           std::vector<std::string>& said) const {
     constexpr std::size_t kMostTasks = 1000;
@@ -176,7 +176,7 @@ class SlurmEngine final : public lab::Engine {
     return submit(arguments);
   }
 
-  /// What the program says of the folder when all tasks have ended, whatever became of them.
+  /// The job prints the program's report on the folder when all tasks have ended, with any result.
   Result<Job> submit_collector(const Submission& submission, const std::string& id) const {
     const std::string script = submission.folder + "/collect.sh";
     const std::string command = options_.command + " --status";

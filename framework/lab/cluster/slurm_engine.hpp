@@ -20,10 +20,10 @@ struct SlurmOptions {
   int processes = 1;                   ///< processes of each task
 };
 
-/// Submits cells as arrays of tasks, and a job behind each array that sums up; returns as soon as
-/// they are in the queue. Cells that wait or run there already are not submitted again. The
-/// sentences that it returns say what was submitted. No number of engines on any number of machines
-/// harms results.
+/// Submits cells as arrays of tasks, and a job behind each array that summarises it. Returns as
+/// soon as they are queued. Cells that are already queued or running are not submitted again. The
+/// returned sentences describe the submissions. Several engines on several machines may work on the
+/// same results.
 std::unique_ptr<lab::Engine> slurm_engine(SlurmOptions options);
 
 }  // namespace weft::cluster

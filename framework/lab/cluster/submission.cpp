@@ -19,7 +19,7 @@ using nlohmann::json;
 constexpr const char* kSchema = "weft.submission/1";
 constexpr int kMostSubmissions = 1'000'000;
 
-/// So that jobs of other results folders have other names.
+/// Jobs of other results folders have other names.
 std::string job_name(const std::string& results, const std::string& number) {
   return "weft-" + host::content_hash(results).substr(0, 8) + "-" + number;
 }
@@ -60,7 +60,7 @@ Result<Submission> submission_in(const fs::path& folder) {
   }
 }
 
-/// Of an order that cannot be read, what the name of its folder says: its job is known to Slurm.
+/// The submission of an unreadable order, from the name of its folder: Slurm still has its job.
 Submission without_order(const fs::path& folder, const Error& fault) {
   const std::string number = folder.filename().string();
   return {folder.string(),

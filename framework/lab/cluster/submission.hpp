@@ -22,9 +22,9 @@ std::size_t cells_of(const Chunk& chunk);
 struct Submission {
   std::string folder;        ///< absolute
   std::string number;        ///< "000001", the name of the folder
-  std::string job;           ///< name of its array, by which squeue knows it
+  std::string job;           ///< name of its array, as squeue lists it
   std::vector<Chunk> tasks;  ///< [.] tasks of the job array
-  int processes = 1;         ///< of each task
+  int processes = 1;         ///< processes of each task
   Equipment equipment;
   std::string fault = {};  ///< why its order cannot be read: then it has no tasks; else empty
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Loaded before the C library, whose allocator it stands before: operator new, OpenCV, Eigen and
-// all others that allocate by the C library come through here.
+// Loaded before the C library, so that it replaces the allocator: operator new, OpenCV, Eigen and
+// all others that allocate by the C library call these functions.
 #include <atomic>
 #include <cerrno>
 #include <cstddef>
 #include <cstdint>
 
-// glibc's own allocator by the names that it keeps for those who stand in for malloc.
+// The functions of glibc's own allocator that replacements of malloc can call.
 // NOLINTBEGIN(bugprone-reserved-identifier): so they are called
 extern "C" {
 void* __libc_malloc(std::size_t size);

@@ -17,8 +17,8 @@ class TruthMap;
 
 namespace weft::lab {
 
-/// What a confidence is about: a mean error of what is seen below this share of the template's
-/// diagonal.
+/// A confidence is the probability that the mean error of the visible points is below this share of
+/// the template's diagonal.
 inline constexpr double kRightShare = 0.02;
 /// A frame is silently wrong when its mean error is above this and its state `estimated`.
 inline constexpr double kWrongMm = 20.0;
@@ -32,13 +32,13 @@ struct IntervalCounts {
 /// The error that a solved frame reported, beside the truth.
 struct FrameCertainty {
   double confidence = kUnknown;  ///< [] a frame without one is judged by its vertices alone
-  double seen_mm = kUnknown;     ///< [] mm, mean error of the points that the camera sees, of all
-                                 ///< where the truth does not tell or it sees none
+  double seen_mm = kUnknown;     ///< [] mm, mean error of the points that the camera sees; of all
+                                 ///< points if their visibility is unknown or none is visible
   bool right = false;            ///< seen_mm is below kRightShare of the diagonal
   bool silently_wrong = false;   ///< see kWrongMm
   std::int64_t vertices = 0;     ///< [] with a covariance and a known place
   std::array<std::int64_t, 3> within{};  ///< [] of them within 1, 2 and 3 standard deviations
-  IntervalCounts measured, filled_in;    ///< of them, by the shape's `source`
+  IntervalCounts measured, filled_in;    ///< figures of these frames, by the shape's `source`
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {

@@ -101,8 +101,8 @@ PointSummary summarise(const PointErrors& errors) {
           mean(of_depth), point};
 }
 
-/// What the shape says of its own error. The error is the one in the camera's frame, whatever is
-/// aligned elsewhere.
+/// The error that the shape predicts for itself. It is compared with the error in the camera's
+/// frame, even if other metrics are aligned.
 Result<void> measure_certainty(const RunReader& reader, const ShapeMeter& meter,
                                const FrameRecords& records, FrameMetrics& frame) {
   const Shape& shape = *records.shape;
@@ -165,7 +165,8 @@ Result<void> measure_error(const ShapeMeter& meter, const FrameRecords& records,
   return {};
 }
 
-/// Of a solved frame: the shape and all of the truth, and each part of it, as surfaces.
+/// For a solved frame: distances between the surfaces of the shape and all of the truth, and each
+/// part of it.
 void measure_surfaces(const FrameRecords& records, const Template& sheet, std::int64_t samples,
                       FrameMetrics& frame) {
   const auto vertices_m = records.shape->vertices_m.matrix<3>();

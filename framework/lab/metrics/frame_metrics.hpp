@@ -22,9 +22,8 @@ namespace weft::lab {
 /// A frame is off when its mean error exceeds this share of the template's diagonal.
 inline constexpr double kOffShare = 0.1;
 
-/// What a frame came to: `solved` is estimated or weak, `carried_over` predicted or lost (an old
-/// shape), `missing` without a shape, `invalid` with a shape that is not finite, whatever its
-/// state.
+/// The outcome of a frame. `solved` is estimated or weak, `carried_over` is predicted or lost (an
+/// old shape). `missing` has no shape, and `invalid` has a shape that is not finite, in any state.
 enum class FrameOutcome { solved, carried_over, missing, invalid };
 
 const char* to_string(FrameOutcome outcome);
@@ -55,8 +54,8 @@ struct PointSummary {
 
 /// Errors in the image, of a frame with truth. Never aligned.
 struct ImageMetrics {
-  double reprojection_px = kUnknown;      ///< [] px, mean over correct matches |pi(X(p)) - q|
-  std::int64_t reprojection_matches = 0;  ///< [] correct matches in the mean
+  double reprojection_px = kUnknown;      ///< [] px, mean of |pi(X(p)) - q| over the inliers
+  std::int64_t reprojection_matches = 0;  ///< [] inliers in the mean
   double overlay_px = kUnknown;           ///< [] px, mean over vertices |pi(X_v) - pi(X_v,true)|
   std::int64_t overlay_vertices = 0;      ///< [] vertices in the mean
   bool behind_camera = false;             ///< a point of the shape has no image: no figure
@@ -94,7 +93,7 @@ struct FrameMetrics {
   FrameOutcome outcome = FrameOutcome::missing;
   bool failed = false;  ///< a stage, the source or a sink had an error
   bool has_truth = false;
-  std::string kind;                   ///< of the truth
+  std::string kind;                   ///< kind of the truth
   std::string exclusion;              ///< why the frame is excluded, or empty
   std::int64_t points = 0;            ///< [] of the truth
   std::int64_t extrapolated = 0;      ///< [] of them beside the mesh, but close

@@ -12,7 +12,8 @@ namespace weft::lab {
 namespace {
 
 constexpr double kJumpInSteps = 5.0;
-constexpr double kJumpShare = 0.01;  // of the diagonal: a sheet at rest has steps of noise only
+constexpr double kJumpShare = 0.01;  // share of the diagonal: the steps of a surface at rest are
+                                     // noise only
 
 /// Mean |c - 2 b + a| of points [N,3] m; unknown where there are none.
 double second_difference_mm(const Points3& a, const Points3& b, const Points3& c) {

@@ -15,8 +15,9 @@ namespace weft::lab {
 /// Numbers of scores in equal parts of [0, 1]; what is beyond counts at the ends.
 using ScoreCounts = std::array<std::int64_t, 40>;
 
-/// What a filter made of the matches of one frame. Positive is a mismatch, as in Shetab-Bushehri et
-/// al. 2023, Section V. Only matches count that were kept before the filter and have a label.
+/// The decisions of a filter on the matches of one frame. Positive is a mismatch, as in
+/// Shetab-Bushehri et al. 2023, Section V. Only matches count that were kept before the filter and
+/// have a label.
 struct FilterCounts {
   std::int64_t entered = 0;         ///< [] kept before the filter, labelled or not
   std::int64_t kept = 0;            ///< [] of these, kept by it
@@ -25,7 +26,7 @@ struct FilterCounts {
   std::int64_t rejected_wrong = 0;  ///< [] true positives
   std::int64_t rejected_right = 0;  ///< [] false positives
   ScoreCounts wrong_scores{};       ///< [] what the filter thinks of mismatches
-  ScoreCounts right_scores{};       ///< [] and of correct matches
+  ScoreCounts right_scores{};       ///< [] and of inliers
 
   std::int64_t labelled() const { return mismatches + correct; }
 
@@ -50,7 +51,7 @@ struct FilterMetrics {
   std::int64_t labelled = 0, entered = 0;      ///< [] matches
   std::int64_t mismatches = 0;                 ///< [] of those labelled
   double tpr_percent = kNoRate;                ///< [] mismatches that were rejected
-  double fpr_percent = kNoRate;                ///< [] correct matches that were rejected
+  double fpr_percent = kNoRate;                ///< [] inliers that were rejected
   double kept_percent = kNoRate;               ///< [] n_s: matches kept of those that entered
   double precision_percent = kNoRate;          ///< [] AoS: correct ones among those kept
   double recall_percent = kNoRate;             ///< [] correct ones that were kept

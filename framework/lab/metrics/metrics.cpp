@@ -170,8 +170,8 @@ void add_certainty(RunMetrics& metrics) {
   metrics.certainty = summarise_certainty(frames);
 }
 
-/// Of the frames whose truth counts, what `member` has of each stage or part, in the order in which
-/// these are first met.
+/// For each stage or part, the metrics `member` of the frames whose truth counts, in the order of
+/// first occurrence.
 template <class Metrics>
 std::vector<std::pair<std::string, std::vector<Metrics>>> by_name(
     const std::vector<FrameMetrics>& frames,

@@ -26,8 +26,9 @@ using MeasureRegistration = std::function<Result<std::optional<Registration>>(
 struct EvaluationOptions {
   Alignment alignment = Alignment::none;
   double match_tolerance_px = 2.0;   ///< [] px, a match this near its true place is correct
-  std::int64_t surface_samples = 0;  ///< [] places drawn for sampled distances; 0: no such figures
-  MeasureRegistration measure_registration = {};  ///< in place of what the run has of it
+  std::int64_t surface_samples = 0;  ///< [] points sampled for sampled distances; 0: no such
+                                     ///< figures
+  MeasureRegistration measure_registration = {};  ///< instead of the run's own registration
 };
 
 /// Evaluates a run folder against the ground truth in it; changes nothing. A run without truth has
@@ -52,8 +53,8 @@ class RunEvaluator {
 
   const std::vector<FrameMetrics>& frames() const;
 
-  /// What the frames came to; ends the evaluation. Without a solver no shape is missing. `run` and
-  /// what a run folder says of itself are for the caller to fill in.
+  /// The metrics of all frames; ends the evaluation. Without a solver no shape is missing. The
+  /// caller fills in `run` and the contents of the run folder.
   RunMetrics finish(bool has_solver);
 
  private:

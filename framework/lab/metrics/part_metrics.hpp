@@ -50,8 +50,8 @@ struct PartMetrics {
 
 using FrameParts = std::vector<std::pair<std::string, FramePart>>;
 
-/// The parts of a truth that have points or a cloud, by their names, with how far the shape's
-/// vertices [V,3] m and each are apart as surfaces; none where the truth has no parts.
+/// The parts of a truth that have points or a cloud, by their names. Each has the surface distance
+/// between the shape's vertices [V,3] m and the part; none if the truth has no parts.
 FrameParts frame_parts(const Points3View& vertices_m, const FacesView& faces,
                        const GroundTruth& truth, std::int64_t samples);
 

@@ -36,7 +36,7 @@ struct FrameRegistration {
   }
 };
 
-/// The same over a run. All patches count the same, whichever frame they are of.
+/// The same over a run. All patches count the same, regardless of their frames.
 struct RegistrationMetrics {
   std::int64_t frames = 0;               ///< [] that were measured
   std::int64_t frames_unmeasured = 0;    ///< [] the others of a run with any that were measured

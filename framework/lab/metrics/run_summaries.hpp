@@ -13,7 +13,8 @@ struct Jitter {
   std::int64_t triples = 0, truth_triples = 0;  ///< [] triples of frames; with truth
   std::int64_t cuts = 0;                        ///< [] frames before which the truth jumps
   double mean_mm = kUnknown;                    ///< [] mm
-  double median_mm = kUnknown;                  ///< [] mm, hardly moved by cuts that no truth tells
+  double median_mm = kUnknown;                  ///< [] mm, robust against cuts that the truth does
+                                                ///< not mark
   double truth_mean_mm = kUnknown;              ///< [] mm
 
   template <class Self, class Visit>

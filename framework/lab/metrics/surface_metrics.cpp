@@ -9,9 +9,10 @@
 namespace weft::lab {
 namespace {
 
-/// Each face of the mesh is cut into so many triangles of equal area along each side.
+/// Each side of a face of the mesh is cut into this number of parts, which gives triangles of equal
+/// area.
 constexpr int kCuts = 4;
-constexpr double kDense = 0.01;  // of the diagonal of the mesh
+constexpr double kDense = 0.01;  // share of the diagonal of the mesh
 
 /// Sums of distances and of their squares, in mm.
 struct Sums {

@@ -12,9 +12,10 @@
 
 namespace weft::lab {
 
-/// The same distances as those of the literature, which compares points: to the nearest of places
-/// drawn evenly over the mesh, and from them to the nearest true point, or to the nearest of as
-/// many places drawn over the true surface where it has faces.
+/// The same distances as in the literature, which compares points. They are measured from the true
+/// points to the nearest of the points sampled uniformly over the mesh. In the other direction they
+/// are measured from these samples to the nearest true point. If the truth has faces, as many
+/// points sampled over its surface replace the true points.
 struct SampledDistances {
   double from_truth_mm = kUnknown, to_truth_mm = kUnknown;                    ///< [] mm
   double from_truth_squared_mm2 = kUnknown, to_truth_squared_mm2 = kUnknown;  ///< [] mm^2
@@ -40,9 +41,10 @@ struct SampledDistances {
   }
 };
 
-/// How far two surfaces are apart whatever lies where on them, of a solved frame: from each point
-/// of the truth to the nearest place of the mesh, and from places spread evenly over the mesh to
-/// the nearest of the truth, its surface where it has one, else its points. Never aligned.
+/// Distances between two surfaces without correspondences, for a solved frame. They are measured
+/// from each point of the truth to the nearest point of the mesh. In the other direction they are
+/// measured from points spread evenly over the mesh to the truth: its surface if it has one, else
+/// its points. Never aligned.
 struct SurfaceMetrics {
   double from_truth_mm = kUnknown;               ///< [] mm, mean over the true points
   double to_truth_mm = kUnknown;                 ///< [] mm, mean over the mesh's area
@@ -133,15 +135,15 @@ struct SurfaceSummary {
   }
 };
 
-/// So many places are drawn over a surface for sampled distances, as in the literature.
+/// The number of points sampled on a surface for sampled distances, as in the literature.
 inline constexpr std::int64_t kSurfaceSamples = 10'000;
 
 /// Seeds of the samples, so that a run that is evaluated twice has the same figures.
 inline constexpr std::uint64_t kMeshSeed = 1, kTruthSeed = 2;
 
-/// Of vertices [V,3] m, camera frame, all finite, and a truth with points. The truth is dense
-/// enough for the way from the mesh where it has faces, or where its points stand closer than 1 %
-/// of the mesh's diagonal. Sampled distances are made of so many `samples`, of none without any.
+/// For vertices [V,3] m, camera frame, all finite, and a truth with points. The distance from the
+/// mesh needs a dense truth: one with faces, or with points closer than 1 % of the mesh's diagonal.
+/// Sampled distances use `samples` points; with 0 there are none.
 SurfaceMetrics surface_metrics(const Points3View& vertices_m, const FacesView& faces,
                                const TrueSurface& truth, std::int64_t samples = 0);
 

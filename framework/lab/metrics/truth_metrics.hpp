@@ -56,8 +56,9 @@ struct TruthMetrics {
   std::int64_t points = 0;          ///< [] true points, as in FrameMetrics
   std::int64_t extrapolated = 0;    ///< [] as in FrameMetrics
   std::int64_t unlocated = 0;       ///< [] as in FrameMetrics
-  ErrorSummary solved_error;        ///< of solved frames
-  ErrorSummary carried_over_error;  ///< of frames with an old shape, never mixed with the former
+  ErrorSummary solved_error;        ///< error of solved frames
+  ErrorSummary carried_over_error;  ///< error of frames with an old shape, never mixed with the
+                                    ///< former
   double strain_mean = kUnknown;    ///< [] mean over solved frames
   double strain_p95 = kUnknown;     ///< [] mean over solved frames of the 95th percentile
 

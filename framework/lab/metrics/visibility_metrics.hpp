@@ -18,7 +18,7 @@ namespace weft::lab {
 
 struct PointErrors;
 
-/// One frame whose truth says what the camera sees. Positive is a vertex that is seen.
+/// One frame whose truth includes visibility. Positive is a visible vertex.
 struct VisibilityCounts {
   std::int64_t seen_right = 0;                         ///< [] vertices, true positives
   std::int64_t seen_wrong = 0;                         ///< [] vertices, false positives
@@ -30,13 +30,17 @@ struct VisibilityCounts {
   std::int64_t vertices() const { return seen_right + seen_wrong + hidden_right + hidden_wrong; }
 };
 
-/// The same over a run. All vertices, and all points, count the same, whichever frame they are of.
+/// The same over a run. All vertices, and all points, count the same, regardless of their frames.
 struct VisibilityMetrics {
-  std::int64_t frames = 0;                             ///< [] whose truth says what is seen
-  std::int64_t vertices = 0, hidden_vertices = 0;      ///< [] told by the run; hidden in truth
+  std::int64_t frames = 0;                             ///< [] frames whose truth includes
+                                                       ///< visibility
+  std::int64_t vertices = 0, hidden_vertices = 0;      ///< [] classified by the run; hidden in
+                                                       ///< truth
   std::int64_t visible_points = 0, hidden_points = 0;  ///< [] true points by visibility
-  double precision_percent = kUnknown;  ///< [] of the vertices said to be seen, those that are
-  double recall_percent = kUnknown;     ///< [] of the vertices that are seen, those said to be
+  double precision_percent = kUnknown;  ///< [] share of the vertices classified as visible that are
+                                        ///< visible
+  double recall_percent = kUnknown;     ///< [] share of the visible vertices that are classified as
+                                        ///< visible
   double f1_percent = kUnknown;         ///< [] of seen vertices
   double hidden_f1_percent = kUnknown;  ///< [] of hidden vertices
   double visible_mm = kUnknown;         ///< [] mm, mean 3D error of points that are seen
@@ -61,13 +65,13 @@ struct VisibilityMetrics {
   }
 };
 
-/// Compares what a run says of the template's vertices with the truth. A vertex is truly seen if
-/// the camera sees a corner of the true face that it lies in; vertices beside the true surface are
-/// left out, and all of them on a template without m_per_px.
+/// Compares the visibility that a run reports for the template's vertices with the truth. A vertex
+/// is truly visible if the camera sees a corner of the true face that contains it. Vertices outside
+/// the true surface are omitted, and all of them on a template without m_per_px.
 void count_vertices(const Visibility& said, const Template& sheet, const TruthMap& truth,
                     VisibilityCounts& counts);
 
-/// Adds errors at points of the truth, of which `visible` [T] says which are seen.
+/// Adds errors at points of the truth; `visible` [T] marks the visible ones.
 void count_errors(const PointErrors& errors, const Array<std::uint8_t>& visible,
                   VisibilityCounts& counts);
 

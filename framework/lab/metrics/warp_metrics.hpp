@@ -59,7 +59,7 @@ struct WarpMetrics {
   }
 };
 
-/// `samples` are of the vertices of `sheet`, one each; `kept` has an entry for each match.
+/// `samples` has one entry for each vertex of the template, `kept` one for each match.
 WarpErrors warp_errors(const WarpSamples& samples, const Correspondences& matches,
                        const Array<std::uint8_t>& kept, const Template& sheet,
                        const TruthMap& truth, const Pinhole& camera);

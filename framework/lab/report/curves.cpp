@@ -13,8 +13,8 @@
 namespace weft::lab {
 namespace {
 
-constexpr std::size_t kMostPoints = 256;    ///< of a drawn distribution
-constexpr std::size_t kMostIntervals = 24;  ///< of a band
+constexpr std::size_t kMostPoints = 256;    ///< points of a plotted distribution
+constexpr std::size_t kMostIntervals = 24;  ///< intervals of a band
 
 std::vector<double> sorted_errors(const Results& results, const Combination& combination) {
   std::vector<double> errors;

@@ -24,7 +24,7 @@ struct Curve {
 
 /// Share y [%] of all frames with truth whose error is at most x [mm], ascending. A frame without
 /// an error stays above every x, so that failures keep the curve below 100 %. Runs of many frames
-/// are drawn at evenly spaced ranks.
+/// are plotted at evenly spaced ranks.
 Curve distribution_of(const Results& results, const Combination& combination);
 
 /// Means at frame x over sequences, each the mean over its seeds.
@@ -38,8 +38,8 @@ std::vector<FrameCurve> errors_over_frames(const Results& results, const ReportT
                                            std::size_t reference,
                                            const std::vector<std::size_t>& banded);
 
-/// Shares [%] of the mismatches, and of the correct matches, with a score in equal parts of [0, 1].
-/// Empty where there is none of them.
+/// Shares [%] of the mismatches, and of the inliers, with a score in equal parts of [0, 1]. Each
+/// list is empty if there are no such matches.
 struct ScoreShares {
   std::vector<float> mismatches, correct;  ///< [parts] percent
 };
@@ -58,7 +58,7 @@ struct SweepCurve {
   double auc_percent = kUnknown, partial_auc_percent = kUnknown;  ///< [] of a ROC curve
 };
 
-/// What the number that an axis sweeps does. A ROC curve has the measures FPR and TPR, in this
+/// The effect of the number that an axis sweeps. A ROC curve has the measures FPR and TPR, in this
 /// order, and its points in ascending FPR.
 struct Sweep {
   std::size_t axis = 0;               ///< [] index of the axis
@@ -67,12 +67,12 @@ struct Sweep {
   std::vector<SweepCurve> curves;     ///< [.] one per setting of the other axes
 };
 
-/// What tells the curves of a sweep apart, as axes: the other axes, and the families of this one.
+/// The axes that distinguish the curves of a sweep: the other axes, and the families of this one.
 std::vector<PlanAxis> other_axes(const Results& results, const Sweep& sweep);
 
-/// A sweep of every axis that sweeps a number, of the measures that change along it, and a ROC
-/// curve where it is the threshold of a filter: where it changes what a stage rejects, but not what
-/// the stage is given.
+/// A sweep of every axis that sweeps a number, with the measures that change along it. A threshold
+/// of a filter also has a ROC curve: it changes the matches that the stage rejects, but not its
+/// inputs.
 std::vector<Sweep> sweeps_of(const Results& results, const ReportTables& tables);
 
 }  // namespace weft::lab

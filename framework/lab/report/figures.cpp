@@ -11,10 +11,10 @@ namespace {
 
 constexpr std::size_t kMostDrawn = 16;     ///< panels of a figure
 constexpr std::size_t kMostInView = 8;     ///< combinations whose shapes the page holds
-constexpr std::size_t kMostPictures = 8;   ///< of worst frames
-constexpr std::size_t kPicturesOfOne = 2;  ///< of them of one combination
+constexpr std::size_t kMostPictures = 8;   ///< worst frames in all
+constexpr std::size_t kPicturesOfOne = 2;  ///< worst frames of one combination
 
-/// The combinations with the smallest mean errors, at most so many, in the plan's order.
+/// The combinations with the smallest mean errors, at most `most`, in the plan's order.
 std::vector<std::size_t> best_of(const ReportTables& tables, std::size_t most) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
@@ -84,7 +84,7 @@ bool worse(const ShownFrame& a, const ShownFrame& b) {
   return a.mean_mm > b.mean_mm;
 }
 
-/// The worst frames of a combination of which there is a picture.
+/// The worst frames of a combination that have an image.
 std::vector<ShownFrame> worst_of(const Results& results, const Combination& combination,
                                  std::set<std::string>& keys) {
   std::vector<ShownFrame> frames;

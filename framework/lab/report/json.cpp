@@ -104,7 +104,8 @@ ordered_json sweep_json(const Results& results, const Sweep& sweep) {
           {"curves", std::move(curves)}};
 }
 
-/// What a filter thinks of the matches: one entry for each combination in which it has an opinion.
+/// The scores that a filter gives the matches: one entry for each combination in which it gives
+/// scores.
 ordered_json scores_json(const Results& results, const ReportTables& tables,
                          const std::string& stage) {
   ordered_json axes = ordered_json::array(), combinations = ordered_json::array();

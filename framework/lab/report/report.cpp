@@ -11,7 +11,7 @@
 namespace weft::lab {
 namespace {
 
-/// A text as it is, between marks of which it has no longer ones.
+/// A text in code marks that are longer than any mark in it.
 std::string markdown_code(const std::string& text) {
   std::string mark = "`";
   while (text.find(mark) != std::string::npos) mark += '`';
@@ -19,7 +19,7 @@ std::string markdown_code(const std::string& text) {
   return mark + space + text + space + mark;
 }
 
-/// What stands before the tables: what was run, and what came of it.
+/// The text before the tables: the plan and a summary of the results.
 std::string markdown_head(const Results& results, const ReportTables& tables) {
   std::string text = "# " + markdown_escaped(results.plan.name) + "\n\nMade by Weft " +
                      markdown_escaped(results.version) + " with " +

@@ -15,7 +15,7 @@
 namespace weft::lab {
 namespace {
 
-constexpr std::size_t kBetterColumn = 5;  ///< of comparisons
+constexpr std::size_t kBetterColumn = 5;  ///< column in tables of comparisons
 
 void add_axes(const Results& results, TextTable& table) {
   for (const PlanAxis& axis : results.plan.axes) {

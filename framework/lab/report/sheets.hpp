@@ -18,7 +18,7 @@ TextTable expectations_sheet(const Results& results, const ReportTables& tables)
 TextTable filters_sheet(const Results& results, const ReportTables& tables);
 /// One row a ROC curve.
 TextTable roc_sheet(const Results& results, const ReportTables& tables);
-/// One row a combination whose frames say how sure they are.
+/// One row for each combination whose frames have a confidence.
 TextTable certainty_sheet(const Results& results, const ReportTables& tables);
 /// One row a combination whose times were taken: its error and its frames a second.
 TextTable speed_sheet(const Results& results, const ReportTables& tables);

@@ -42,7 +42,7 @@ std::vector<Family> families_along(const Results& results, const ReportTables& t
   return families;
 }
 
-/// Whether the stage is given the same matches all along and does not reject the same ones.
+/// True if the stage gets the same matches for all values, but does not reject the same ones.
 bool is_threshold(const ReportTables& tables, const Family& family, const std::string& stage) {
   const FilterRates* first = nullptr;
   bool decides = false;
@@ -124,7 +124,7 @@ Sweep response_along(const ReportTables& tables, std::size_t axis,
   return sweep;
 }
 
-/// Whether the numbers along some curve differ.
+/// True if the numbers along some curve differ.
 bool changes(const Sweep& sweep, std::size_t measure) {
   return std::any_of(sweep.curves.begin(), sweep.curves.end(), [&](const SweepCurve& curve) {
     std::set<float> different;

@@ -28,7 +28,7 @@ std::string failures_of(const Results& results, const Combination& combination) 
   return text;
 }
 
-/// What may be said of each pair and of all together.
+/// Sentences on each pair and on all pairs together.
 std::string sentences_of(const ComparisonTable& table) {
   std::string text = "<ul class=\"small\">\n";
   if (table.friedman) text += "<li>" + html_escaped(table.friedman->sentence) + "</li>\n";
@@ -52,7 +52,7 @@ std::string scenes_figure(const ComparisonResult& comparison, std::size_t index)
       index);
 }
 
-/// The rows of a comparison without what its heading says.
+/// The rows of a comparison without the columns that its heading contains.
 TextTable without_heading(const ComparisonResult& comparison) {
   constexpr std::ptrdiff_t kHeading = 3;  // axis, metric and unit
   TextTable table = comparison_sheet({comparison});

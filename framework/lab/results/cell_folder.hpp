@@ -27,7 +27,7 @@ struct CellView {
   std::vector<ViewFrame> frames;     ///< ascending
 };
 
-/// How much of a cell a viewer holds; what is more is left out evenly.
+/// The maximum size of a cell's view; frames and points beyond it are omitted at even intervals.
 struct ViewLimits {
   std::size_t frames = 60;         ///< [] maximum number of frames
   std::size_t truth_points = 300;  ///< [] maximum number of true points per frame
@@ -39,8 +39,7 @@ struct FrameShapes {
   std::optional<GroundTruth> truth;
 };
 
-/// Frames as a viewer draws them, with the faces of the template. Fails where a shape is of another
-/// mesh.
+/// Frames for a viewer, with the faces of the template. Fails if a shape has another mesh.
 Result<CellView> view_of(const Template& sheet, const std::map<std::uint64_t, FrameShapes>& frames,
                          const ViewLimits& limits);
 

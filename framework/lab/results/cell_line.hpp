@@ -33,7 +33,7 @@ struct TrustedLine {
   bool checked = false;  ///< it had a check; those of older programs have none
 };
 
-/// What of a line is wanted; the rest may be left out, which takes less time.
+/// The parts of a line that are needed; the reader may omit the rest to save time.
 struct LineParts {
   bool metrics = true;
   bool frames = false;  ///< the list of frames of the metrics

@@ -33,7 +33,7 @@ CertaintyCounts certainty_counts(const CertaintyMetrics& said) {
   return sum;
 }
 
-/// What no line lacks, whichever program wrote it.
+/// Checks the parts that every program has written into each line.
 void check_parts(const json& metrics) {
   for (const char* part : {"counts", "all", "truth_users", "filters"}) metrics.at(part);
   metrics.at("all").at("error_solved");
@@ -70,7 +70,7 @@ Result<void> read_metrics(const json& object, const std::set<std::string>& wante
   return {};
 }
 
-/// Of all stages in a frame, those counted that ran in some frames alone.
+/// For one frame, the sum over all stages; those that ran in some frames alone are included.
 double processor_ms_of_frame(const json& line) {
   const json& timing = line.at("timing");
   std::set<std::string> stages;
@@ -94,7 +94,7 @@ void read_times(const json& line, CellRecord& record) {
   record.processor_ms = processor_ms_of_frame(line);
 }
 
-/// What enters no mean where the cell failed.
+/// Clears the figures that enter no mean if the cell failed.
 void forget_figures(CellRecord& record) {
   record.solved = 0;
   record.failures = record.truth_frames;
@@ -129,7 +129,7 @@ Result<CellRecord> record_of(const json& line, const std::set<std::string>& want
   return record;
 }
 
-/// What is wrong with the folders of cells is taken from them to the damages.
+/// Moves errors of the cells' folders from the cells to the damages.
 void compare_files(const std::string& folder, bool content, CellRecords& records) {
   for (auto cell = records.cells.begin(); cell != records.cells.end();) {
     const CellRecord& known = cell->second;

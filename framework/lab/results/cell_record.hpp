@@ -20,7 +20,7 @@ enum class CellOutcome { done, failed, missing };
 
 const char* to_string(CellOutcome outcome);
 
-/// A frame whose truth counts. Without a shape of its own it has no error.
+/// A frame whose truth counts. It has no error if it has no new shape.
 struct FrameError {
   std::uint64_t frame = 0;    ///< [] index from 0
   double mean_mm = kUnknown;  ///< [] mm, mean over the frame's points; NaN unless solved
@@ -30,11 +30,11 @@ struct FrameError {
 struct FilterRates {
   std::string stage;
   double tpr_percent = kUnknown;        ///< [] mismatches rejected, of all mismatches
-  double fpr_percent = kUnknown;        ///< [] correct matches rejected, of all correct ones
+  double fpr_percent = kUnknown;        ///< [] share of the inliers that were rejected
   double kept_percent = kUnknown;       ///< [] kept, of those that entered
   double precision_percent = kUnknown;  ///< [] correct, of those kept
   std::int64_t entered = 0, mismatches = 0, correct = 0;  ///< [] over all frames
-  /// Scores in equal parts of [0, 1]: how many mismatches and how many correct matches.
+  /// Histograms of the scores in equal parts of [0, 1]: the numbers of mismatches and of inliers.
   std::vector<std::int64_t> scores_of_mismatches = {}, scores_of_correct = {};
 };
 
@@ -46,7 +46,7 @@ struct StageTime {
   double mean_processor_ms = kUnknown;  ///< [] ms; NaN in results of older programs
 };
 
-/// What solved frames said of their own error, and what came true; see CertaintyMetrics.
+/// The errors that solved frames predicted and the true ones; see CertaintyMetrics.
 struct CertaintyCounts {
   std::int64_t frames = 0, right = 0, silently_wrong = 0;  ///< [] numbers of frames
   double squares = 0.0;                                    ///< [] sum of (confidence - right)^2
@@ -56,7 +56,7 @@ struct CertaintyCounts {
 
   /// Adds up what two runs counted.
   void add(const CertaintyCounts& other);
-  /// Mean over the frames that told one.
+  /// Mean over the frames that have a confidence.
   double confidence() const;
   double brier() const { return frames > 0 ? squares / static_cast<double>(frames) : kUnknown; }
 };
@@ -68,8 +68,8 @@ struct LinePlace {
   std::uint64_t offset = 0;  ///< [bytes]
 };
 
-/// What the results say of one key: the cells that have it share it. Of a failed cell nothing
-/// enters a mean: it has no figures, and failed in each of its frames.
+/// The results for one key, which all cells with the key share. A failed cell has no figures that
+/// enter a mean, and counts as failed in each of its frames.
 struct CellRecord {
   CellOutcome outcome = CellOutcome::missing;
   std::string reason;  ///< reason of a failure
@@ -91,7 +91,7 @@ struct CellRecord {
   std::vector<std::string> implements;    ///< "filters/tran: reconstruction"; empty in older lines
   std::vector<FrameError> errors;         ///< in the order of the frames, on request
   std::vector<FilterRates> filters;       ///< in the order of the stages
-  CertaintyCounts certainty;              ///< empty where the run says nothing of it
+  CertaintyCounts certainty;              ///< empty if the run has no confidences
   std::vector<StageTime> times;           ///< empty where no uncached time was taken
   double processor_ms = kUnknown;         ///< [] ms a frame of all stages, the source not counted
   std::map<std::string, double> figures;  ///< by metric: the requested ones
@@ -110,7 +110,7 @@ struct CellRecords {
   std::size_t unchecked = 0;                ///< lines without a check, of older programs
 };
 
-/// What is to be read of cells besides what is always read.
+/// The parts of cells to read beyond the ones that are always read.
 struct CellParts {
   std::set<std::string> metrics = {};
   bool frames = false;   ///< the error of each frame

@@ -6,7 +6,8 @@
 namespace weft::lab {
 namespace {
 
-/// The mean of two means, of so many each; one of nothing is left out.
+/// The weighted mean of two means of `count_a` and `count_b` values; a mean of no values is
+/// omitted.
 double joined(double a, std::int64_t count_a, double b, std::int64_t count_b) {
   if (count_a == 0) return b;
   if (count_b == 0) return a;

@@ -13,12 +13,13 @@ struct CellFile {
   std::string hash;         ///< XXH128, 32 hexadecimal digits
 };
 
-/// A result that cannot be trusted: its line, or what its line says to be in the cell's folder.
+/// A result that cannot be trusted: a damaged line, or a file that its line lists in the cell's
+/// folder.
 struct Damage {
   std::string where;  ///< "FILE:LINE", or the cell's folder
   std::string what;   ///< is wrong
-  std::string key;    ///< of the cell; empty where it cannot be told
-  std::string file;   ///< of the line, without folders
+  std::string key;    ///< key of the cell; empty if unknown
+  std::string file;   ///< file of the line, without folders
   int line = 0;       ///< [] number of the line; 0: none
 };
 

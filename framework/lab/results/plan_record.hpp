@@ -62,7 +62,7 @@ struct PlanRecord {
   std::string data_use;                       ///< "tuning", "reporting" or empty
   std::vector<PlanAxis> axes;                 ///< [.] in the order of the plan
   std::vector<PlanData> data;                 ///< [.] in the order of the plan
-  std::vector<std::string> sequences;         ///< of all data
+  std::vector<std::string> sequences;         ///< sequences of all data
   std::vector<std::uint64_t> seeds;           ///< [.] run seeds
   std::vector<std::string> show;              ///< metrics that the plan wants in its table
   std::vector<PlanComparison> comparisons;    ///< [.] in the order of the plan

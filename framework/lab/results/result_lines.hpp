@@ -20,19 +20,19 @@ struct LineFaults {
   std::size_t unchecked = 0;    ///< [] lines without a check
 };
 
-/// Gives all lines of cells that count to `take`, by file and line: what was withdrawn and what is
-/// cut off at the end of a file is left out. An Error of `take` with invalid_data counts as damage;
-/// any other ends it. Fails where a file cannot be read or has a line of another schema.
+/// Gives all lines of cells that count to `take`, by file and line. Withdrawn lines and a truncated
+/// line at the end of a file are omitted. An Error of `take` with invalid_data counts as damage;
+/// any other ends it. Fails if a file cannot be read or has a line of another schema.
 Result<LineFaults> read_result_lines(const std::string& folder, const LineParts& parts,
                                      const TakeLine& take);
 
-/// What is wrong with the files of a cell, as its line lists them; empty: nothing. Their sizes are
-/// compared, and with `content` their hashes too. Of lines of older programs only the folder is
-/// looked for.
+/// The error of a cell's files, compared with its line; empty if there is none. Compares their
+/// sizes and, with `content`, their hashes. For lines of older programs it checks only that the
+/// folder exists.
 std::string fault_of_files(const std::string& folder, const std::vector<CellFile>& files,
                            bool content);
 
-/// What stands in `folder`/cells/`key` as CellFile.
+/// The file `folder`/cells/`key` as CellFile.
 Result<CellFile> cell_file(const std::string& folder, const std::string& name);
 
 }  // namespace weft::lab

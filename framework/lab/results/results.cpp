@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Of a file that `weft ablate` writes anew where results are there.
+/// The error of a file that `weft ablate` rewrites if there are results.
 Error no_results(Error error, const std::string& folder) {
   constexpr const char* kAnew = "; `weft ablate` of the plan writes it anew";
   std::error_code code;

@@ -13,7 +13,7 @@
 /// The results folder of an ablation, read for tables and figures; see docs/results.md.
 namespace weft::lab {
 
-/// Frames of a sequence, as the cells say that got through it.
+/// Frames of a sequence, as reported by the cells that completed it.
 struct SequenceSize {
   std::int64_t frames = 0, truth_frames = 0;  ///< [] frames; frames with truth
 };
@@ -32,14 +32,14 @@ struct Results {
   /// Takes what was read, and what follows from it.
   void take(CellRecords read);
 
-  /// What is known of a cell; outcome `missing` where nothing is.
+  /// The record of a cell; outcome `missing` if there is none.
   const CellRecord& record(const PlanCell& cell) const;
   /// Frames that the cell was to solve: those of its sequence, where it failed before the first.
   SequenceSize size(const PlanCell& cell) const;
 };
 
-/// Reads a results folder; what was cut off or damaged is left out. Fails with not_found where the
-/// folder is none, with incompatible at another schema, with invalid_data at a damaged plan.
+/// Reads a results folder; truncated or damaged results are omitted. Fails with not_found if the
+/// folder is none, with incompatible for another schema, with invalid_data for a damaged plan.
 Result<Results> read_results(const std::string& folder);
 
 }  // namespace weft::lab

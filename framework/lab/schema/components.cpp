@@ -116,7 +116,7 @@ class Definitions {
     all_[name] = std::move(list);
   }
 
-  /// What is required of the component itself, then of what is nested in it.
+  /// Requirements of the component itself, then of its nested components.
   static ordered_json needs_of(const host::ComponentManifest& component) {
     ordered_json params = ordered_json::object(), required = ordered_json::array();
     for (const host::ParameterSpec& parameter : component.parameters) {

@@ -35,7 +35,7 @@ ordered_json form_of(const yaml::Key& key, const Parts& parts) {
   return parts.at(key.part);
 }
 
-/// The default as JSON; null: there is none to tell.
+/// The default as JSON; null if there is none to show.
 ordered_json fallback_of(const yaml::Key& key) {
   if (key.fallback.empty()) return nullptr;
   const yaml::Node node = yaml::plain_node(key.fallback);
@@ -65,7 +65,7 @@ ordered_json one_of(const std::vector<std::string>& choices) {
   ordered_json all = ordered_json::array();
   for (const std::string& choice : choices) {
     all.push_back(choice);
-    // Readers compare what is written, editors what it is without quotes.
+    // The program compares the written text, editors the value without quotes.
     const yaml::Node plain = yaml::plain_node(choice);
     const auto number = yaml::as_double(plain);
     if (const auto flag = yaml::as_bool(plain)) all.push_back(*flag);

@@ -12,7 +12,7 @@ namespace weft::schema {
 
 using nlohmann::ordered_json;
 
-/// Schemas of values with a form of their own, by Key::part.
+/// Schemas of values with a special form, by Key::part.
 using Parts = std::map<std::string, ordered_json>;
 
 /// {"type": ...}, one or several: "object", "null".

@@ -78,7 +78,7 @@ ordered_json number_in(const yaml::Node& node) {
   return real && std::isfinite(*real) ? ordered_json(*real) : ordered_json();
 }
 
-/// Null where there is no default, or none that a file could say.
+/// Null if there is no default, or none that a file could contain.
 ordered_json default_of(const ParameterSpec& parameter) {
   const yaml::Node& node = parameter.default_value;
   if (parameter.required) return nullptr;

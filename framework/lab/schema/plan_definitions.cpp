@@ -77,7 +77,7 @@ Parts parts_of_axes() {
   return parts;
 }
 
-/// Any of the keys of both kinds of axes; what both kinds have is of either form.
+/// Any of the keys of both kinds of axes; a key that both have may have either form.
 ordered_json axis() {
   const Parts parts = parts_of_axes();
   ordered_json plain = open_map_of(axis_keys(), parts);

@@ -6,10 +6,10 @@
 namespace weft::schema {
 
 /// Definitions of the parts of a plan, which refer to those of components:
-///   axis, axis_value, data_entry   of which anything may be missing in a plan that extends another
-///   complete_axis                  what an axis lacks in one that does not
-///   comparison, expectation        an entry of these lists
-///   seeds, name, axis_name         seeds of data and runs, names that a plan gives
+///    axis, axis_value, data_entry   without required keys, for plans that extend another one
+///    complete_axis                  the required keys of an axis in other plans
+///    comparison, expectation        an entry of these lists
+///    seeds, name, axis_name         seeds of data and runs, names that a plan gives
 ordered_json plan_definitions();
 
 /// The parts of plan_keys(), by these definitions.

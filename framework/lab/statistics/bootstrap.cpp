@@ -27,8 +27,8 @@ std::vector<double> resampled_means(std::span<const double> values, std::uint64_
   return means;
 }
 
-/// Skewness of the jackknifed mean over six (eq. 14.15). Leaving out value i moves the mean by
-/// (mean - x_i) / (n - 1), and the factor cancels.
+/// Skewness of the jackknifed mean over six (eq. 14.15). Omitting value i moves the mean by (mean -
+/// x_i) / (n - 1), and the factor cancels.
 double acceleration(std::span<const double> values, double centre) {
   double squares = 0.0, cubes = 0.0;
   for (const double value : values) {

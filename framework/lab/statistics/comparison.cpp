@@ -134,10 +134,10 @@ class CorrectedTests {
 
   std::int64_t tests() const { return static_cast<std::int64_t>(p_.size()); }
 
-  /// What a p must not exceed that comes after so many smaller ones, all of them called.
+  /// The significance level of a p after all smaller ones, if all of these are significant.
   double level_of(double p) const { return level_after(std::min(before(p), called_)); }
 
-  /// Whether this p would be called.
+  /// True if this p would be significant.
   bool would_call(double p) const { return before(p) <= called_ && p <= level_after(before(p)); }
 
  private:
@@ -210,7 +210,7 @@ bool has(const Panel& panel, const std::string& treatment) {
   return std::find(names.begin(), names.end(), treatment) != names.end();
 }
 
-/// What is known before the correction.
+/// The results before the correction.
 ComparisonTable table_of(const Panel& panel, const ComparisonOptions& options) {
   ComparisonTable table;
   for (std::size_t t = 0; t < panel.treatments.size(); ++t) {

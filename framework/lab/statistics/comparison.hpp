@@ -11,7 +11,7 @@
 #include "lab/statistics/paired_test.hpp"
 #include "lab/statistics/panel.hpp"
 
-/// What may be said of treatments that were tried on the same sequences; see docs/statistics.md.
+/// Conclusions on treatments that were tried on the same sequences; see docs/statistics.md.
 namespace weft::lab {
 
 struct ComparisonOptions {
@@ -22,15 +22,15 @@ struct ComparisonOptions {
   std::uint64_t seed = 1;  ///< seed of resampling
 };
 
-/// `too_few` where no outcome of so many sequences could have been called, ties apart: two pairs of
-/// the same number of sequences in one family are both too few, or neither is.
+/// `too_few` if no outcome of this number of sequences could have been significant, ties excluded.
+/// Two pairs with the same number of sequences in one family are both too few, or neither is.
 enum class Call { too_few, undecided, a, b };
 
 /// True if a call names one of the two.
 constexpr bool decided(Call call) { return call == Call::a || call == Call::b; }
 
-/// A treatment by itself. Its values may stand on other frames than those of the next treatment:
-/// only pairs say which is better.
+/// One treatment. Its values may come from other frames than those of the next treatment, so that
+/// only pairs show which one is better.
 struct TreatmentSummary {
   std::string name;
   std::int64_t sequences = 0;           ///< [] with a value: the n of the figures that follow
@@ -60,7 +60,7 @@ struct PairComparison {
   /// is called, and only there. Unknown where there are too few sequences.
   Interval interval;
   double p_holm = kUnknown;  ///< [] p after Holm's correction
-  /// So many differences are zero that the others could have called nothing, whatever they are.
+  /// True if so few differences are nonzero that no values of them could have been significant.
   bool hidden_by_ties = false;
   double smallest_effect = kUnknown;  ///< that n could show at the level left by Holm's first step
   Call call = Call::too_few;          ///< which one has the better values
@@ -83,7 +83,7 @@ struct FriedmanComparison {
 
 struct ComparisonTable {
   std::vector<TreatmentSummary> treatments;    ///< in the order of their first result
-  std::vector<PairComparison> pairs;           ///< of which tests were made
+  std::vector<PairComparison> pairs;           ///< number of tests in the family
   std::optional<FriedmanComparison> friedman;  ///< from 3 treatments on
   std::int64_t tests = 0;                      ///< [] in the family that Holm's correction is for
   std::string headline;                        ///< which one is the best, if one is
@@ -95,9 +95,9 @@ struct ObservationGroup {
   std::vector<Observation> observations;  ///< [.] results of all treatments
 };
 
-/// Compares treatments. One family, so that all that the table calls is wrong somewhere with a
-/// probability of at most 5 %: each pair's values and failures and Friedman's test, as far as they
-/// could reach p = 0.05 at all (Tarone 1990). Fails with not_found where the reference is no
+/// Compares treatments. One family, so that the table contains a false positive with a probability
+/// of at most 5 %. Its tests are each pair's values and failures and Friedman's test, as far as
+/// they could reach p = 0.05 at all (Tarone 1990). Fails with not_found if the reference is no
 /// treatment, and as make_panel does.
 Result<ComparisonTable> compare(const std::vector<Observation>& observations,
                                 const ComparisonOptions& options = {});

@@ -10,7 +10,7 @@
 namespace weft::lab {
 namespace {
 
-/// What a treatment comes to against each of the others.
+/// The results of a treatment against each of the others.
 struct Rank {
   std::string name;
   double mean = kUnknown;
@@ -103,7 +103,7 @@ std::string undecided_list(const std::vector<const PairComparison*>& pairs, cons
   return list_of(texts);
 }
 
-/// Of those without a verdict.
+/// The pairs without a verdict.
 std::string rest_text(const Rank& standing, const std::string& unit) {
   std::string text;
   if (!standing.undecided.empty()) {

@@ -6,7 +6,8 @@
 
 #include "lab/statistics/unknown.hpp"
 
-/// Whether paired differences, one a sequence, have a mean other than zero; see docs/statistics.md.
+/// Tests if paired differences, one a sequence, have a mean other than zero; see
+/// docs/statistics.md.
 namespace weft::lab {
 
 /// A difference is called where p is no larger than this.
@@ -21,7 +22,7 @@ inline constexpr std::int64_t kLeastSequences = 6;
 struct PairedTest {
   std::int64_t n = 0;                    ///< [] differences
   double mean = kUnknown;                ///< mean difference, in the unit of the values
-  double standard_deviation = kUnknown;  ///< of the differences, with n - 1
+  double standard_deviation = kUnknown;  ///< standard deviation of the differences, with n - 1
   double standardised = kUnknown;        ///< [] mean / standard deviation
   Interval interval;          ///< 95 %: the shifts that the test does not reject; from 6 on
   double p = kUnknown;        ///< [] two-sided
@@ -39,16 +40,17 @@ struct PairedTest {
 /// from each difference, give p > 0.05; unknown for n < 6. Differences are finite.
 PairedTest test_differences(std::span<const double> differences, std::uint64_t seed = 1);
 
-/// The shifts of which the same test gives p > `level`; unknown where n signs have no p so small.
+/// The shifts for which the same test gives p > `level`; unknown if n signs cannot reach such a
+/// small p.
 Interval interval_at(std::span<const double> differences, double level, std::uint64_t seed = 1);
 
 /// The least p that n differences can have, none of them zero.
 double least_p_of(std::int64_t n);
 
 /// Smallest |mean difference| that a two-sided test at level `alpha` calls with probability
-/// `power`, were the differences normal with this standard deviation: solves the power of the
-/// paired t test (noncentral t; Cohen 1988, ch. 2), which the sign-flip test approaches (Hoeffding
-/// 1952), at the level that n signs can attain. Unknown where they can attain none.
+/// `power`, for normal differences with this standard deviation. Solves the power of the paired t
+/// test (noncentral t; Cohen 1988, ch. 2), which the sign-flip test approaches (Hoeffding 1952), at
+/// the level that n signs can attain. Unknown if they can attain none.
 double smallest_effect(double standard_deviation, std::int64_t n, double alpha = kAlpha,
                        double power = kPower);
 

@@ -16,8 +16,8 @@
 /// sequence counts once: the mean over its seeds of the mean over the frames of a seed.
 namespace weft::lab {
 
-/// In place of a frame: a failure on every frame that some other treatment has of that sequence and
-/// seed, for a cell that left no frames.
+/// Replaces the frames of a cell that left none: a failure on every frame that some other treatment
+/// has of that sequence and seed.
 inline constexpr std::uint64_t kEveryFrame = std::numeric_limits<std::uint64_t>::max();
 
 /// One result of one treatment.
@@ -61,8 +61,8 @@ struct Panel {
   std::vector<std::string> sequences() const;
 };
 
-/// Fails with invalid_data, naming the place, where two results of a treatment are at one place, or
-/// where a value is said to hold for every frame; and where there are no results at all.
+/// Fails with invalid_data, naming the place, if a treatment has two results at one place, or if a
+/// value claims to hold for every frame. Also fails if there are no results.
 Result<Panel> make_panel(const std::vector<Observation>& observations);
 
 struct SequenceMean {
@@ -71,8 +71,8 @@ struct SequenceMean {
   std::int64_t rows = 0;   ///< [] that entered
 };
 
-/// One entry for each sequence with at least one row of which `value` says something, in ascending
-/// order: the mean over seeds of the mean over the frames of a seed.
+/// One entry for each sequence with at least one row for which `value` is not empty, in ascending
+/// order. The entry is the mean over seeds of the mean over the frames of a seed.
 std::vector<SequenceMean> sequence_means(
     const Panel& panel, const std::function<std::optional<double>(const PanelRow&)>& value);
 

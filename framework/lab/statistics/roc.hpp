@@ -12,7 +12,8 @@ namespace weft::lab {
 /// A threshold and the rates that it gives: of one frame or trial, or means over many.
 struct RocPoint {
   double threshold = 0.0;         ///< in the filter's unit
-  double fpr_percent = kUnknown;  ///< [] correct matches rejected; NaN without a correct match
+  double fpr_percent = kUnknown;  ///< [] share of the inliers that were rejected; NaN without an
+                                  ///< inlier
   double tpr_percent = kUnknown;  ///< [] mismatches rejected; NaN without a mismatch
 };
 
@@ -23,9 +24,9 @@ struct RocCurve {
   double partial_auc_percent = kUnknown;  ///< [] FPR <= 10 %, of the largest possible
 };
 
-/// Sorts points and measures the area under them, with (0, 0) and (100, 100) added, by the
-/// trapezoid rule; no envelope. 100 is perfect, 50 is chance (5 for the partial area). Without
-/// points the areas are unknown.
+/// Sorts points and computes the area under them by the trapezoid rule, with (0, 0) and (100, 100)
+/// added; no envelope. The area is 100 % for a perfect filter and 50 % for chance (5 % for the
+/// partial area). Without points the areas are unknown.
 RocCurve roc_curve(std::vector<RocPoint> points);
 
 /// Averages rates at each threshold first, FPR and TPR each over the frames that have them: the

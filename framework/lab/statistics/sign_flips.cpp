@@ -8,7 +8,7 @@
 namespace weft::lab {
 namespace {
 
-constexpr double kTie = 1e-12;  // of the sum of magnitudes
+constexpr double kTie = 1e-12;  // relative to the sum of magnitudes
 
 /// All 2^n sums of differences - shift with either sign, ascending.
 std::vector<double> sorted_sums(std::span<const double> differences, double shift) {

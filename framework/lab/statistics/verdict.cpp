@@ -80,7 +80,7 @@ std::string who_lacks_less(const PairComparison& pair, std::int64_t tests) {
                      p_text(failures.test.p, failures.p_holm, tests));
 }
 
-/// What a standardised effect, or the effect that would have shown, adds.
+/// Adds the standardised effect, or the smallest effect that the test could have detected.
 std::string power_text(const PairComparison& pair, const ComparisonOptions& options) {
   if (decided(pair.call) && !std::isnan(pair.test.standardised)) {
     return "; standardised effect " + three_digits(std::abs(pair.test.standardised));

@@ -9,14 +9,15 @@
 
 namespace weft {
 
-/// The records that a run keeps of a frame, by slot: `shape`, `ground_truth`;
-/// `STAGE.correspondences`, whole, of each stage (or `sources`) that made matches;
-/// `STAGE.FILTER.inlier_mask` of each filter that processed them (`STAGE.FILTER.NEXT.inlier_mask`
-/// of the next). A mask has the matches that the filter and those before it kept, and its scores;
-/// if it gave no result, all are rejected with scores of 0. Arrays of the truth with one value per
-/// pixel are omitted; `STAGE.match_depths` has the true depth at the matches of a stage.
-/// `STAGE.warp_samples` is where a warp maps the template's vertices. A record that is absent in a
-/// frame has no slot.
+/// The records that a run keeps of a frame, by slot:
+/// - `shape`, `ground_truth`. Arrays of the truth with one value per pixel are omitted.
+/// - `STAGE.correspondences`, whole, of each stage (or `sources`) that made matches.
+/// - `STAGE.FILTER.inlier_mask` of each filter that processed them, `STAGE.FILTER.NEXT.inlier_mask`
+///   of the next. A mask has the matches that the filter and those before it kept, and its scores.
+///   If the filter gave no result, all are rejected with scores of 0.
+/// - `STAGE.match_depths`, the true depth at the matches of a stage.
+/// - `STAGE.warp_samples`, the points to which a warp maps the template's vertices.
+/// A record that is absent in a frame has no slot.
 host::NamedRecords frame_records(const Graph& graph, const FrameResult& frame,
                                  const host::RecordPtr& ground_truth);
 

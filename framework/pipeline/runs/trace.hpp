@@ -11,12 +11,14 @@
 
 namespace weft {
 
-/// The calls of a run on a time line for Perfetto and chrome://tracing: Trace Event Format, as an
-/// array of complete events (https://perfetto.dev/docs/getting-started/other-formats). A call is
-/// nested in the call that made it, and all calls of a frame in a slice called "frame". Each
-/// process has its own track. Times are those of the host's steady clock, from the first call on.
-/// Events are flushed after each frame; readers accept the array of a killed run, which lacks its
-/// end.
+/// The calls of a run on a time line for Perfetto and chrome://tracing. The file has the Trace
+/// Event Format, as an array of complete events:
+/// https://perfetto.dev/docs/getting-started/other-formats
+///
+/// A call is nested in the call that made it, and all calls of a frame in a slice called "frame".
+/// Each process has its own track. Times are those of the host's steady clock, from the first call
+/// on. Events are flushed after each frame; readers accept the array of a killed run, which lacks
+/// its end.
 class Trace {
  public:
   /// Fails with io when the file cannot be created.

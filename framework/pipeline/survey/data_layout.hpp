@@ -22,14 +22,15 @@ struct FileSources {
 };
 
 /// Recognises, in this order:
-///   a sequence: a folder with sequence.yaml, or a YAML file, whose `source` is taken;
-///   images: a folder of them, or one with frames/, rgb/, color/ or colour/; truth is gt/*.npz or
-///     gt/*.csv, depth images are in depth/, the texture is template/texture.png or texture.png;
-///   matches: a folder with matches/*.npz or matches/*.csv and no images, or such a file;
-///   a video: any other file.
-/// The camera file of images, matches and videos is `camera`, where it is given, else camera.yaml,
+/// - a sequence: a folder with sequence.yaml, or a YAML file, whose `source` is taken;
+/// - images: a folder of them, or one with frames/, rgb/, color/ or colour/. Truth is gt/*.npz or
+///   gt/*.csv, depth images are in depth/, the texture is template/texture.png or texture.png;
+/// - matches: a folder with matches/*.npz or matches/*.csv and no images, or such a file;
+/// - a video: any other file.
+///
+/// The camera file of images, matches and videos is `camera`, if it is given, else camera.yaml,
 /// camera.yml, camera.json or K.json beside them; "auto" is one that the source assumes. Fails with
-/// not_found and what was looked for.
+/// not_found and the list of expected files.
 Result<DataLayout> find_data_layout(const std::string& path, const FileSources& sources,
                                     const std::string& camera = {});
 

@@ -26,7 +26,7 @@ pybind11::object numpy_of(const Array<T>& array) {
   return pybind11::array_t<T>(shape, elements, owner);
 }
 
-/// By name without "diag.": numbers, and arrays as NumPy's.
+/// Diagnostics by name without "diag.": numbers, and arrays as NumPy's.
 inline pybind11::dict named_of(const Diagnostics& diagnostics) {
   pybind11::dict named;
   for (const NamedArray& entry : diagnostics.entries()) {

@@ -105,7 +105,7 @@ class OpenedPipeline {
     return arrays;
   }
 
-  /// Rows of `pixels` may lie apart, the elements of a row may not.
+  /// Rows of `pixels` may have gaps between them, the elements of a row may not.
   py::dict process(const py::array_t<std::uint8_t, 0>& pixels, double t_s) {
     if (pixels.ndim() > WEFT_MAX_DIMENSIONS) {
       raise({Errc::invalid_data, "has too many axes; give [H,W] grey levels or [H,W,3] BGR",

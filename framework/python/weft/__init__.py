@@ -14,7 +14,7 @@ from weft.records import Record
 from weft.roles import (Detector, Filter, Matcher, Pass, Sink, Solver, Source, TemplateBuilder,
                         WarpModel)
 
-# What components in Python are made of. It travels with them in their libraries.
+# The parts of components in Python, which their libraries contain.
 __all__ = [
     "Cancelled", "Degenerate", "Detector", "Failure", "Filter", "Matcher", "NoMoreFrames", "NoResult", "Pass",
     "Record", "Sink", "Solver", "Source", "TemplateBuilder", "WarpModel", "choice", "component",
@@ -22,8 +22,8 @@ __all__ = [
     "texts", "whole", "wholes",
 ]
 
-# What programs use, by the module of weft.programs that has it; imported when it is first asked for,
-# so that a component needs neither it nor what it is compiled of.
+# Names for programs, by the module of weft.programs that has them. A module is imported at the first
+# access, so that a component needs neither it nor its compiled parts.
 _OF_PROGRAMS = {
     "Camera": "geometry", "Cell": "results", "Error": "errors", "Frame": "pipelines",
     "Pipeline": "pipelines", "Results": "results", "Run": "runs", "RunFrame": "runs",

@@ -16,7 +16,7 @@ class Failure(Exception):
 
 
 class Cancelled(Exception):
-    """The host asked to stop."""
+    """The host cancelled the call."""
 
 
 class Degenerate:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Between the library and the components: what the host calls becomes a call of a method, and what that
-answers or raises becomes what the host is told. Each function answers (status, code, message, value).
+"""Connects the library and the components: a call by the host becomes a call of a method, and its
+result or exception becomes the answer to the host. Each function answers (status, code, message, value).
 """
 
 import functools
@@ -13,10 +13,10 @@ from weft.given import (CANCELLED, DEGENERATE, END, ERROR, NO_RESULT, OK, ROLES,
 from weft.parameters import parameters_of
 from weft.records import Record
 
-# Of weft::Errc.
+# Values of weft::Errc.
 CODE_NO_RESULT, CODE_INVALID_DATA, CODE_PLUGIN_FAILURE, CODE_CANCELLED, CODE_NO_MEMORY, CODE_END = (
     1, 3, 9, 10, 11, 12)
-# What an output has where its record does not say otherwise.
+# Default values of outputs.
 USUAL = {"shape": {"state": 1, "age": 0, "confidence": 1.0}, "image": {"stem": ""},
          "ground_truth": {"kind": "", "apart": ""}}
 OF_PREPARE = {"template": "template/1", "camera": "camera/1"}
@@ -26,7 +26,7 @@ modules = {}
 
 
 def adopt(name, file, module):
-    """Of the author's modules, whose files errors name."""
+    """Registers a module of the author, whose file errors name."""
     own_files.add(file)
     modules[name] = module
 
@@ -122,10 +122,10 @@ def records_of(method, outputs, answer):
 
 
 def judge(call, shape):
-    """One rule tells estimated from weak for the shapes of all solvers, as in C++."""
+    """Sets `estimated` or `weak` by one rule for the shapes of all solvers, as in C++."""
     said, confidence = getattr(shape, "state", 1), float(getattr(shape, "confidence", 1.0))
     judged = call.judge(np.ascontiguousarray(shape.vertices_m, np.float64), confidence)
-    if judged is None:  # of another mesh, which the host refuses
+    if judged is None:  # the shape has another mesh, which the host refuses
         return
     state, agreeing, kept, coverage = judged
     shape.state = state if said == 1 else said

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a method is given: records of the host as views, its call, and other components."""
+"""The inputs of a method: records of the host as views, its call, and other components."""
 
 import numpy as np
 from weft import host
@@ -16,7 +16,7 @@ OK, DEGENERATE, NO_RESULT, ERROR, CANCELLED, END = range(6)
 
 
 class HostError(Exception):
-    """What the host, or another component, says is wrong."""
+    """An error of the host or of another component."""
 
     def __init__(self, code, message):
         super().__init__(message)
@@ -24,7 +24,7 @@ class HostError(Exception):
 
 
 class GivenRecord(Record):
-    """A record of the host; its arrays become views when they are first asked for."""
+    """A record of the host; its arrays become views at the first access."""
 
     def __init__(self, record):
         super().__init__()
@@ -37,7 +37,7 @@ class GivenRecord(Record):
                     named[name.removeprefix(prefix)] = self._views[name] = self._value(name)
 
     def _is_as_read(self):
-        """Whether nobody has replaced, added or removed anything."""
+        """True if no array was replaced, added or removed."""
         now = {name: value for name, value in vars(self).items()
                if not name.startswith("_") and name not in ("diag", "model", "degenerate_reason")}
         for prefix, named in (("diag.", self.diag), ("model.", self.model)):
@@ -71,7 +71,7 @@ class GivenRecord(Record):
 
 
 class Call:
-    """What surrounds one call of a component; of no use when that is over."""
+    """The context of one call of a component; invalid after the call."""
 
     def __init__(self, raw):
         self.raw, self.filled = raw, {}
@@ -89,7 +89,7 @@ class Call:
         self.raw.log(1, str(text))
 
     def log_warning(self, text):
-        """What the user should know although there is an answer."""
+        """Warns the user although the call has a result."""
         self.raw.log(2, str(text))
 
     def rng(self):
@@ -119,7 +119,7 @@ class Given:
 
 
     def evaluate(self, warp, points_px, order=0):
-        """Samples of a warp, by whoever made it, at points_px [M,2] of the texture, with derivatives up
+        """Samples of a warp of any component at points_px [M,2] of the texture, with derivatives up
         to `order`, 0 to 2."""
         number = [name for name, _, _ in ROLES["warps"]].index("evaluate")
         _, inputs, outputs = ROLES["warps"][number]

@@ -28,7 +28,7 @@ class Travelling:
 
 
 def imported(source):
-    """An author's module, or an error that says where it ends."""
+    """An author's module, or an error with the position of its failure."""
     try:
         return importlib.import_module(source[0])
     except BaseException as thrown:

@@ -174,7 +174,7 @@ def refused(host: Host, folder: Path) -> tuple[str, str]:
         raise Wrong(f"describe: exit {code}: {text}")
     for command in ("check", "run"):
         code, text = host.ask("--plugin-path", str(folder), command, host.pipeline("process"))
-        if code != 2 or refusal(text)[:60] != sentence[:60]:  # the file's name stands in it
+        if code != 2 or refusal(text)[:60] != sentence[:60]:  # the sentence has the file's name
             raise Wrong(f"{command}: exit {code}: {text}")
     fix = re.search(r"LD_PRELOAD=(.+)", sentence)
     return sentence, fix.group(1) if fix else ""

@@ -11,7 +11,7 @@ await chromium.use_chromium(web, /^(file|data):/, async (page, complaints) => {
   const shot = (name) =>
     page.screenshot({ path: chromium.screenshot_file(screenshots, name), fullPage: true });
   const ring = (k) => page.$(`.ring:nth-of-type(${k + 1})`);
-  /** The corners that the page tells, as the command reads them. */
+  /** The corners that the page reports, as the command reads them. */
   const corners = async () => {
     const text = await page.$eval("#option", (one) => one.value);
     const [, list] = text.match(/^--corners "([^"]*)"$/);
@@ -76,7 +76,7 @@ await chromium.use_chromium(web, /^(file|data):/, async (page, complaints) => {
   assert.ok((await page.$eval("#fault", (one) => one.textContent)).length > 0);
   assert.equal(await page.$eval("#fault", (one) => one.hidden), false);
 
-  // What a button copies is the text beside it.
+  // A button copies the text beside it.
   await page.click("[data-copies=option]");
   await page.waitForFunction(() => document.querySelector("#outcome").textContent !== "");
 

@@ -8,7 +8,7 @@ import { test } from "node:test";
 const file = process.argv[3];
 const page = readFileSync(file, "utf8");
 
-/** What stands between a start tag of this kind and its end. */
+/** The text between a start tag of this kind and its end. */
 const inside = (start) => {
   const from = page.indexOf(start) + start.length;
   assert.ok(from >= start.length, `the page has no ${start}`);

@@ -141,7 +141,7 @@ class LiveDemo(unittest.TestCase):
         self.assertIn("token", refused.stderr)
         self.assertEqual(some.returncode, 0, some.stderr)
         self.assertEqual(len(some.stdout.splitlines()), 3)
-        # A machine under load may miss the 0.4 s in which the run says that it ends.
+        # A machine under load may miss the 0.4 s in which the run reports that it ends.
         self.assertIn(reader.returncode, (0, 1), complaints)
         self.assertNotIn("Traceback", complaints)
 

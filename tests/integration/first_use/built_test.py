@@ -33,7 +33,7 @@ class Built(unittest.TestCase):
                                 capture_output=True, text=True, check=True)
         made = {Path(label) if Path(label).is_absolute() else self.build / label
                 for label in re.findall(r'label="([^"]+)"', answer.stdout)}
-        # What is configured, not built, is no target.
+        # A configured file is not built and has no target.
         ruled = subprocess.run(["ninja", "-C", str(self.build), "-t", "targets", "all"],
                                capture_output=True, text=True, check=True)
         ours = {self.build / line.split(":")[0] for line in ruled.stdout.splitlines()}

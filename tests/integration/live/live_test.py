@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 from live_client import Viewer
 
 TOKEN = "a-token-that-is-seen-nowhere"
-PATIENCE_S = 240  # of a machine that has other work, for each answer
+PATIENCE_S = 240  # for each answer, on a busy machine
 STATES = {"estimated", "weak", "predicted", "lost", "none"}
 
 
@@ -35,8 +35,8 @@ class Live(unittest.TestCase):
         scratch = tempfile.TemporaryDirectory(prefix="weft-live-")
         self.addCleanup(scratch.cleanup)
         self.folder = Path(scratch.name)
-        # Held to the end, so that nobody else is given the port; the program may share it, as long as
-        # nobody listens at this one.
+        # Kept open to the end, so that no other process is given the port. The program may share
+        # it, as long as this socket does not listen.
         self.reserved = socket.socket()
         self.addCleanup(self.reserved.close)
         self.reserved.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -160,7 +160,7 @@ class Live(unittest.TestCase):
                 self.assertIn(f"url=http://{self.address}/?token={TOKEN}", page)
                 with Viewer(self.port(), TOKEN) as viewer:
                     viewer.frame()
-                    # What is checked anew for a change has the token.
+                    # The pipeline that is checked anew for a change has the token.
                     self.assertEqual(viewer.insist("set filters.stiffness=11"), "")
                 out, err = self.stop(live)
                 self.assertIn("?token=...", out)

@@ -21,7 +21,7 @@ import zipfile
 
 PAGE = "docs/tutorials/my-poster-live.md"
 BLOCK = re.compile(r"^```sh\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-# The page is served at a port that nobody else has, and each command of the page is noted with the second at
+# The page is served at an unused port. Each command of the page is recorded with the second at
 # which it begins.
 PRELUDE = """
 exec 3> commands.txt

@@ -96,7 +96,7 @@ test("words name the state and the stage that is to blame", () => {
   assert.equal(doubted.text, `it may well be wrong, 1\u00a0% sure; ${reason}`);
   assert.equal(state_words({ state: "none", stages }).text.startsWith("there has been none"), true);
   assert.equal(state_words(null).title, "Unknown");
-  // An estimated shape needs no excuse, but an error is told all the same.
+  // An estimated shape needs no excuse, but an error is reported all the same.
   const estimated = state_words({ state: "estimated", confidence: 0.98, stages });
   assert.equal(estimated.text, "98\u00a0% sure");
   const error = { stage: "sight", status: "error", reason: "no memory" };
@@ -183,7 +183,7 @@ test("the history holds half a minute and knows the run's rate", () => {
 });
 
 test("the rate is the run's, however frames arrive", () => {
-  // 30 frames a second, of which the network delivers bursts of 15.
+  // 30 frames a second, which the network delivers in bursts of 15.
   const history = new History();
   const rates = [];
   for (let frame = 0; frame < 300; ++frame) {
@@ -193,7 +193,7 @@ test("the rate is the run's, however frames arrive", () => {
   }
   assert.ok(rates.slice(0, 15).every(Number.isNaN)); // too early to tell
   for (const rate of rates.slice(15)) close(rate, 30, 1e-6);
-  // A page that is shown single frames after a pause knows it as well.
+  // A page that is shown single frames after a pause detects it as well.
   history.push(sample_of({ frame: 450, report: null, taken_s: 15 }, 16));
   history.push(sample_of({ frame: 451, report: null, taken_s: 15 + 1 / 30 }, 16.001));
   close(history.latest.rate, 30, 1e-6);
@@ -228,7 +228,7 @@ test("colours lie on the ramp, and their scale is that of the last frames", () =
   close(of("strain", 1, 0.95).shares[0], 0.25, 1e-3);
   for (let frame = 0; frame < 150; ++frame) of("std", 1, 1);
   assert.equal(of("std", 1, 1).legend.high, "1 mm and more");
-  // What a pipeline does not tell is said.
+  // The page reports the information that a pipeline lacks.
   const bare = { vertices_m: frame(1, 1).vertices_m, report: null };
   for (const name of ["confidence", "std", "visibility", "texture"]) {
     const { shares, legend } = colouring.of(name, bare, template);

@@ -69,7 +69,7 @@ class LivePage {
     return run;
   }
 
-  /** Has the run show a frame, and waits until the page has drawn it. */
+  /** Makes the run show a frame, and waits until the page has rendered it. */
   async show(frame, changes = {}) {
     this.run.show({
       frame,
@@ -114,7 +114,7 @@ class LivePage {
     return page;
   }
 
-  /** From now on the browser saves without asking. */
+  /** From now on the browser saves without a prompt. */
   async downloads() {
     const downloads = new Downloads();
     const devtools = await this.page.createCDPSession();

@@ -28,7 +28,7 @@ export function frame_message({ frame, time_s = null, report = null, ...given })
 
 const base64 = (numbers) => Buffer.from(numbers.buffer).toString("base64");
 
-/** The first message, of a mesh {vertices_m, faces, uv} and what else it says. */
+/** The first message, of a mesh {vertices_m, faces, uv} and its other entries. */
 export function hello_message({ camera, mesh, texture, settings }) {
   return {
     type: "hello",
@@ -44,7 +44,7 @@ export function hello_message({ camera, mesh, texture, settings }) {
   };
 }
 
-/** A flat sheet of columns x rows vertices, in the plane z = 0 about the origin. */
+/** A flat surface of columns x rows vertices, in the plane z = 0 about the origin. */
 export function sheet(columns, rows, width_m, height_m) {
   const vertices_m = [],
     uv = [],

@@ -24,7 +24,7 @@ await use_live_page(async (live) => {
       y,
     );
 
-  // Frames run: the image changes, the mesh has the vertices that were sent, words tell of it.
+  // Frames run: the image changes, the mesh has the vertices that were sent, words report it.
   await live.show(0);
   const corner = await image_pixel(0.02, 0.02);
   await live.show(1);
@@ -121,7 +121,7 @@ await use_live_page(async (live) => {
   await live.show(26);
   await page.click("#notices button");
 
-  // A picture of both views.
+  // An image of both views.
   const downloads = await live.downloads();
   await page.click("#screenshot");
   const saved = readFileSync(await downloads.file("weft_000026.png"));
@@ -158,7 +158,7 @@ await use_live_page(async (live) => {
   await page.setViewport({ width: 1400, height: 900 });
   assert.ok((await overflow_of(page)) <= 0);
 
-  // The run has no frames: the page says what the server says of it, and nothing else.
+  // The run has no frames: the page shows only the server's message about it.
   live.run.say({ type: "still", still: true });
   await live.until_text("#connection", "the run waits for its source");
   live.run.pause(true, 28);
@@ -170,7 +170,7 @@ await use_live_page(async (live) => {
   // It goes on, and nothing arrives here.
   await live.until_text("#connection", "this browser or the network is slow");
 
-  // A pause ends with the browser that asked for it.
+  // A pause ends with the browser that requested it.
   live.run.pause(true, 28);
   await live.until_text("#outcome", "Paused in another browser");
   live.run.pause(false, 29, { left: true });
@@ -184,7 +184,7 @@ await use_live_page(async (live) => {
   await live.until_text("#outcome", "the connection was lost during a pause");
   live.forgive_tries();
 
-  // Single samples far apart are seen in the strips.
+  // Single samples at large distances are visible in the strips.
   for (const frame of [40, 41, 42]) await live.show(frame, { taken_s: 8 * (frame - 36) });
   await pause(300); // the strips are drawn some times a second
   await live.show(43, { taken_s: 60 });

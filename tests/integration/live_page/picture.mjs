@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-/** A JPEG that the browser draws: the sheet's print alone, or the sheet where the camera sees it,
-    on a ground whose colour tells even frames from odd ones. */
+/** A JPEG that the browser renders: the texture alone, or the surface where the camera sees it, on
+    a ground whose colour distinguishes even and odd frames. */
 export async function draw_picture(page, given) {
   const address = await page.evaluate(({ mesh, camera, number, vertices_m }) => {
     const canvas = document.createElement("canvas");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A run that a test plays: it serves the live page and speaks its protocol.
+// A run that a test plays: it serves the live page and implements its protocol.
 import assert from "node:assert/strict";
 import { once } from "node:events";
 import { readFileSync } from "node:fs";
@@ -19,9 +19,9 @@ const kToken = "a token of sixteen";
 export class PlayedRun {
   requests = []; // texts, in the order in which they came
   most_requests_under_way = 0;
-  /** What becomes of a change request: a refusal, or "" where it is granted. */
+  /** The outcome of a change request: a refusal, or "" where it is granted. */
   judge = () => "";
-  /** Answers at once, or only when the test says so. */
+  /** Answers at once, or only when the test requests it. */
   answers_at_once = true;
 
   #web;
@@ -53,7 +53,7 @@ export class PlayedRun {
     return `http://127.0.0.1:${this.port}/?token=${encodeURIComponent(kToken)}`;
   }
 
-  /** Ends the run: its clients are told, its port is free. */
+  /** Ends the run: it notifies its clients, and its port is free. */
   async end(code = 1001) {
     for (const client of this.#clients.keys()) client.close(code);
     this.#clients.clear();
@@ -63,13 +63,13 @@ export class PlayedRun {
     await closed;
   }
 
-  /** The newest frame: each client that has asked for one gets it. */
+  /** The newest frame: each client that has requested one gets it. */
   show(frame) {
     this.#newest = frame_message(frame);
     for (const client of this.#clients.keys()) this.#offer(client);
   }
 
-  /** Bytes in place of a frame. */
+  /** Bytes instead of a frame. */
   show_bytes(bytes) {
     this.#newest = bytes;
     for (const client of this.#clients.keys()) this.#offer(client);

@@ -9,7 +9,7 @@ await use_live_page(async (live) => {
   const { page } = live;
   const is_disabled = () => page.$eval("#record", (button) => button.disabled);
 
-  // What is shown between two clicks is saved, a frame without a shape and without an image too.
+  // The page saves all frames between two clicks, also those without a shape or without an image.
   await live.show(0);
   let downloads = await live.downloads();
   await page.click("#record");
@@ -46,7 +46,7 @@ await use_live_page(async (live) => {
   await page.click("#record");
   await live.until_text("#recorded", "Nothing was saved");
 
-  // When the run goes away, what there is of it is saved; another run is recorded anew.
+  // When the run ends, the recorded part of it is saved; another run is recorded anew.
   await page.click("#record");
   await live.show(6);
   const { port } = live.run;

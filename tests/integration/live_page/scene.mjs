@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The run that the page test plays: a sheet that waves, its reports and its settings.
+// The run that the page test plays: a surface that waves, its reports and its settings.
 import { sheet } from "./messages.mjs";
 
 export const camera = { fx: 560, fy: 560, cx: 320, cy: 240, width_px: 640, height_px: 480 };
 export const mesh = sheet(13, 9, 0.3, 0.2);
 export const kVertices = 13 * 9;
 
-/** Vertices [3 V] m of a sheet that is rolled a little, half a metre away. */
+/** Vertices [3 V] m of a surface that is rolled a little, half a metre away. */
 export function bent(number) {
   const vertices_m = [];
   for (let v = 0; v < mesh.vertices_m.length; v += 3) {

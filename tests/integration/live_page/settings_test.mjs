@@ -6,7 +6,7 @@ import { eventually, pause, use_live_page } from "./live_page.mjs";
 await use_live_page(async (live) => {
   const { page, run } = live;
 
-  // A slider by keyboard: its request is sent, its answer stands beside it.
+  // A slider by keyboard: its request is sent, and the answer appears beside it.
   const control = (setting, part) => `[data-setting="${setting}"] ${part}`;
   const value_of = (setting, part) => page.$eval(control(setting, part), (one) => one.value);
   await page.focus(control("filters.alpha_s", "input[type=range]"));
@@ -15,7 +15,7 @@ await use_live_page(async (live) => {
   assert.deepEqual(run.requests.splice(0), ["set filters.alpha_s=0.151"]);
   assert.equal(await value_of("filters.alpha_s", "input[type=number]"), "0.151");
 
-  // Of many movements the last one holds, and one request at most is under way.
+  // The last of many movements takes effect, and at most one request is pending.
   run.answers_at_once = false;
   for (let i = 0; i < 40; ++i) {
     await page.keyboard.press("ArrowRight");
@@ -33,7 +33,7 @@ await use_live_page(async (live) => {
   run.answers_at_once = true;
   run.requests.length = 0;
 
-  // A refusal stands beside the control, which goes back to what holds.
+  // A refusal appears beside the control, which returns to the current value.
   run.judge = () => "radius_px is 1 to 1000 px; this is -5";
   const type = async (setting, value) => {
     await page.click(control(setting, "input"), { count: 3 });
@@ -63,7 +63,7 @@ await use_live_page(async (live) => {
   assert.deepEqual(run.requests.splice(0), ["set filters.scales=[1, 2]"]);
   assert.equal(await value_of("filters.warp", "output"), "warps/bbs");
 
-  // What somebody else changes is seen here; what cannot change says why.
+  // Changes by another client appear here; a control that cannot change shows the reason.
   run.change("detectors.keypoints", 2000);
   const keypoints = control("detectors.keypoints", "input[type=number]");
   await live.until((one) => document.querySelector(one).value === "2000", keypoints);
@@ -96,7 +96,7 @@ await use_live_page(async (live) => {
     one.dispatchEvent(new Event("input"));
   });
 
-  // Commands; to stop asks first.
+  // Commands; to stop needs a confirmation.
   for (const command of ["pause", "step", "resume"]) {
     await page.click(`[data-command=${command}]`);
     await waits(1);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { execFileSync } from "node:child_process";
 
-// Another program than the page's own says what is in it, and that checksums are right.
+// A program other than the page lists the content, and checks the checksums.
 const kReader = `
 import base64, json, sys, zipfile
 with zipfile.ZipFile(sys.argv[1]) as archive:

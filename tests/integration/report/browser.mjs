@@ -23,12 +23,12 @@ export async function use_page(use) {
   });
 }
 
-/** Marks of a figure that Vega has drawn: elements of one kind of mark. */
+/** Marks of a figure that Vega has rendered: elements of one kind of mark. */
 export const marks = (page, figure, kind) =>
   page.$$eval(`#${figure} svg .mark-${kind} path`, (all) => all.length);
 
-/** In each picture of a worst frame the sheet lies within: something is drawn, and nothing at an
-    edge. */
+/** The surface is completely inside each image of a worst frame: the image has marks, and none at
+    an edge. */
 export async function expect_whole_sheets(page) {
   const seen = await page.$$eval(".worst .view img", async (all) => {
     const inked = async (image) => {
@@ -53,7 +53,7 @@ export async function expect_whole_sheets(page) {
   }
 }
 
-/** Keeps a picture of the page for people, named after the script. */
+/** Keeps an image of the page for people, named after the script. */
 export const shot = (page, name, fullPage = false) =>
   page.screenshot({ path: screenshot_file(name), fullPage });
 export const screenshot_file = (name, type) => chromium.screenshot_file(screenshots, name, type);

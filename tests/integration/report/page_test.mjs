@@ -17,7 +17,7 @@ await use_page(async (page) => {
   assert.equal(await marks(page, "figure-by-frame", "area"), 2);
   assert.ok((await texts("figure-by-frame")).includes("shaky · 0.05 and 3 more"));
   assert.equal(await page.$$eval("#figure-by-frame .legend", (all) => all.length), 0);
-  // As differences only what differs from the reference has a curve of its own.
+  // As differences, only values that differ from the reference have a separate curve.
   await page.select("#figure-by-frame select", "difference from steady · 0.05");
   await page.waitForFunction(() =>
     document.querySelector("#figure-by-frame svg").textContent.includes("Difference of the error"),
@@ -31,7 +31,7 @@ await use_page(async (page) => {
   // Frames a second over the error: a point and a name for each.
   assert.equal(await marks(page, "figure-speed", "symbol"), 8);
   assert.equal(await page.$$eval("#figure-speed .mark-text.role-mark text", (all) => all.length), 8);
-  // What is promised and what came true, in two panels: the diagonal, the line and both in grey.
+  // Promised and observed values, in two panels: the diagonal, the line and both in grey.
   assert.equal(await marks(page, "figure-reliability", "line"), 2 * (1 + 1 + 2));
   assert.equal(await marks(page, "figure-reliability", "symbol"), 2 * 2);
   const sweeps = await page.$$eval("figure.sweep h3", (all) => all.map((one) => one.textContent));
@@ -39,12 +39,12 @@ await use_page(async (page) => {
   // Both filters reject the same: one curve, and the diagonal.
   assert.equal(await marks(page, "figure-sweep-0", "line"), 2);
 
-  // Scores of mismatches and of correct matches, for the values that are chosen.
+  // Scores of outliers and of inliers, for the values that are chosen.
   assert.equal(await marks(page, "figure-scores-0", "line"), 2);
   await page.select('#figure-scores-0 select[aria-label="filter"]', "shaky");
   assert.equal(await marks(page, "figure-scores-0", "line"), 2);
 
-  // The worst frames: the picture that was kept, the estimate by its error, and the truth.
+  // The worst frames: the image that was kept, the estimate by its error, and the truth.
   const worst = await page.$$eval(".worst figure", (all) => all.length);
   assert.ok(worst > 0);
   assert.equal(await page.$$eval(".worst figure > img", (all) => all.length), worst);
@@ -111,7 +111,7 @@ await use_page(async (page) => {
   await page.$eval("#viewer", (viewer) => viewer.scrollIntoView());
   await shot(page, "viewer");
 
-  // Dark: the paper gets darker than the ink, and the figures follow without being drawn again.
+  // Dark: the paper gets darker than the ink, and the figures follow without being rendered again.
   await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: "dark" }]);
   const brightness = (selector, property) =>
     page.$eval(

@@ -8,7 +8,7 @@ await use_page(async (page) => {
   assert.equal(await marks(page, "figure-run", "symbol"), 8);
   assert.equal(await marks(page, "figure-run-times", "area"), 2);
 
-  // Six worst frames, each with its picture of the video, its estimate and the truth.
+  // Six worst frames, each with its image of the video, its estimate and the truth.
   assert.equal(await page.$$eval(".worst figure > img", (all) => all.length), 6);
   assert.equal(await page.$$eval(".worst .view img", (all) => all.length), 2 * 6);
 
@@ -23,7 +23,7 @@ await use_page(async (page) => {
     ["3", 2],
     ["0", 1],
   ]);
-  // Each figure has the print, though the page holds it once, and its arrows are on it.
+  // Each figure has the texture, though the page contains it once, and its arrows are on it.
   const sizes = await page.$$eval(".print figure svg:first-of-type > :first-child", (all) =>
     all.map((one) => one.getBoundingClientRect().width),
   );

@@ -33,11 +33,11 @@ PATIENCE_S = 1200.0
 STAGES = "detectors,matchers,filters,warps,passes,solvers"
 ROLES = {
     "stages": STAGES,
-    "makers": f"sources,templates,{STAGES}",  # of records, the same ones for the same inputs
+    "makers": f"sources,templates,{STAGES}",  # makers of records, the same ones for the same inputs
     "prepared": f"{STAGES},sinks",
 }
-# By the group of checks that should find them: the fault, the roles to which it applies, and what a
-# component must have.
+# Faults by the group of checks that should find them: the fault, the roles to which it applies, and
+# what a component must have.
 FAULTS = {
     "load": """
         wrong_magic all

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from trials import ALL_GOOD, ID, LIBRARY, ONE_LOST, Case, Ask, Sandbox
 
-SWEEP = 'extensions: ["weft.sweep/1"]'  # of the library without a fault
+SWEEP = 'extensions: ["weft.sweep/1"]'  # extension of the library without a fault
 TELLS = "Try isolate: process at its stage"
 # Sanitizers make an exit code of a signal.
 DIED = r"(died of signal {0} |exited with status)"

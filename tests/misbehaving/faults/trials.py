@@ -42,8 +42,8 @@ class Case:
     name: str
     asks: list[Ask]
     make: Callable[[Sandbox], None] | None = None  # changes the files of its folder
-    limit_bytes: int = 0  # of private memory
-    sanitized: bool = True  # whether a sanitized program can run it
+    limit_bytes: int = 0  # limit of private memory
+    sanitized: bool = True  # True if a sanitized program can run it
 
 
 @dataclass

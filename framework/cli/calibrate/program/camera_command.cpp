@@ -79,7 +79,7 @@ Result<void> collect(const CameraOptions& options, cal::ViewCollection& collecti
   return options.camera ? watch(**reader, collection) : read_all(**reader, collection);
 }
 
-/// Of the residuals, beside the camera file.
+/// The path of the image of the residuals, beside the camera file.
 std::string picture_path(const std::string& out) {
   const std::filesystem::path path(out);
   return (path.parent_path() / (path.stem().string() + "_residuals.png")).string();

@@ -8,7 +8,7 @@
 namespace weft::conformance {
 namespace {
 
-constexpr std::uint64_t kMostTableBytes = 256 << 20;  ///< of a table
+constexpr std::uint64_t kMostTableBytes = 256 << 20;  ///< maximum size of a table
 
 template <class Entry>
 std::vector<Entry> entries_of(const host::ElfFile& file, const Elf64_Shdr& section) {

@@ -8,7 +8,7 @@
 
 namespace weft::conformance {
 
-/// What the file of a library says to the dynamic linker.
+/// The entries of a library's file for the dynamic linker.
 struct ElfFacts {
   std::vector<std::string> exported;  ///< symbols that it defines for others
   bool has_static_tls = false;        ///< it cannot be placed once the program runs, but for luck

@@ -19,7 +19,7 @@
 namespace weft::conformance {
 namespace {
 
-// What a handler reaches.
+// Data for a signal handler.
 std::array<char, 256> first_path{};
 volatile std::sig_atomic_t is_forbidden = 0;
 

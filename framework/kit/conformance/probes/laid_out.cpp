@@ -8,7 +8,7 @@
 namespace weft::conformance {
 namespace {
 
-constexpr int kBetween = 0xAB;        ///< what stands between rows
+constexpr int kBetween = 0xAB;        ///< value of the padding between rows
 constexpr std::int64_t kPadding = 3;  ///< [elements] between rows
 constexpr std::size_t kAlignment = 64;
 

@@ -27,7 +27,7 @@ std::uint32_t size_of(std::size_t bytes) { return static_cast<std::uint32_t>(byt
 
 }  // namespace
 
-/// What the context of a dressed call stands for.
+/// The content of a replaced call's context.
 struct OtherHost::Stay {
   OtherHost& host;
   const weft_call& call;
@@ -149,7 +149,7 @@ EndOfPage::~EndOfPage() { munmap(mapped_, 2 * kPage); }
 
 namespace {
 
-/// An error of the old size; what it says is copied where the caller reads it.
+/// An error of the old size; its content is copied to the caller's error.
 struct OldError {
   explicit OldError(weft_error& whose) : page(kErrorBytes), callers(whose) {
     std::memset(page.at<weft_error>(), 0, kErrorBytes);
@@ -182,7 +182,7 @@ T* as(std::vector<std::uint64_t>& words) {
   return reinterpret_cast<T*>(words.data());
 }
 
-/// An error with more behind it; what it says is copied where the caller reads it.
+/// An error with more fields at its end; its content is copied to the caller's error.
 struct NewError {
   explicit NewError(weft_error& whose) : words(grown(whose)), callers(whose) {}
   ~NewError() {

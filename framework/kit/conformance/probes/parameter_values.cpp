@@ -12,7 +12,8 @@ namespace {
 
 using host::ParameterSpec;
 
-constexpr std::int64_t kMostInteger = 1LL << 53;  ///< of those that a double holds
+constexpr std::int64_t kMostInteger = 1LL << 53;  ///< limit of integers that a double represents
+                                                  ///< exactly
 
 bool is_number(const ParameterSpec& parameter) {
   return parameter.type == WEFT_VALUE_F64 || parameter.type == WEFT_VALUE_I64;

@@ -24,7 +24,7 @@ std::string default_mistake(const host::ParameterSpec& parameter);
 /// Both ends of a range, both values of a flag, all choices; empty for others.
 std::vector<yaml::Node> end_values(const host::ParameterSpec& parameter);
 
-/// Whether values can be drawn: of a number, a flag or a choice.
+/// True if values can be sampled: for a number, a flag or a choice.
 bool can_draw(const host::ParameterSpec& parameter);
 yaml::Node draw(const host::ParameterSpec& parameter, Rng& rng);
 

@@ -16,7 +16,7 @@
 /// same.
 namespace weft::conformance {
 
-/// Gives calls a host table of its own, which hands on what it is asked.
+/// Gives calls a separate host table that forwards their requests.
 class OtherHost : public testing::Passage {
  public:
   std::int32_t prepare(const weft_component& component, void* self, const weft_call& call,
@@ -25,11 +25,11 @@ class OtherHost : public testing::Passage {
                        std::span<const weft_record> inputs, weft_error* error) override;
 
  protected:
-  /// What alloc gives a component for "SLOT/ARRAY", of what the host gave for it.
+  /// The memory that alloc gives a component for "SLOT/ARRAY"; `memory` is the host's.
   virtual void* given(void* memory, const std::string& /*name*/, std::int64_t /*bytes*/) {
     return memory;
   }
-  /// What the component answered to prepare or process.
+  /// Receives the status that the component returned from prepare or process.
   virtual void left(std::int32_t /*status*/) {}
   /// A call that stands for `call`, with the host table `host`; both live as long as this.
   virtual const weft_call& dressed(const weft_call& call, const weft_host& host);
@@ -41,7 +41,7 @@ class OtherHost : public testing::Passage {
   std::unique_ptr<weft_host> host_;
 };
 
-/// Asks for memory are counted, and the one of number `refused` is refused.
+/// Counts allocations, and refuses the one with number `refused`.
 class StingyHost final : public OtherHost {
  public:
   explicit StingyHost(int refused) : refused_(refused) {}
@@ -58,7 +58,7 @@ class StingyHost final : public OtherHost {
   std::optional<std::int32_t> answer_;
 };
 
-/// What alloc gives ends at bytes that must stay as they are.
+/// Memory from alloc ends at guard bytes that must not change.
 class WalledHost final : public OtherHost {
  public:
   /// "SLOT/ARRAY" of the first that was written beyond; empty for none.
@@ -72,14 +72,14 @@ class WalledHost final : public OtherHost {
   struct Room {
     void* of_host;
     std::size_t bytes;              ///< [bytes] requested size
-    std::vector<std::byte> memory;  ///< with a wall behind what was asked for
+    std::vector<std::byte> memory;  ///< with guard bytes behind the requested size
     std::byte* begin;
   };
-  std::map<std::string, Room> rooms_;  ///< of the call that is being made
+  std::map<std::string, Room> rooms_;  ///< allocations of the current call
   std::string breached_;
 };
 
-/// What alloc gives is filled with these bytes.
+/// Memory from alloc is filled with these bytes.
 class DirtyHost final : public OtherHost {
  public:
   explicit DirtyHost(unsigned char dirt) : dirt_(dirt) {}
@@ -108,8 +108,8 @@ class EndOfPage {
   void* data_;
 };
 
-/// The first host of this major version: its structs end where they ended then, and whoever reads
-/// more of them faults.
+/// The first host of this major version: its structs end at their original size, and a component
+/// that reads beyond them faults.
 class OldHost final : public OtherHost {
  public:
   std::int32_t create(const weft_component& component, const weft_create& with, void** self,
@@ -126,7 +126,7 @@ class OldHost final : public OtherHost {
   std::vector<std::unique_ptr<EndOfPage>> pages_;
 };
 
-/// A host of later years: its structs have grown by what nobody knows yet.
+/// A host of a later version: its structs have grown by unknown fields.
 class NewHost final : public OtherHost {
  public:
   std::int32_t create(const weft_component& component, const weft_create& with, void** self,
@@ -163,7 +163,7 @@ class LaidOut final : public testing::Passage {
   Lie lie_;
 };
 
-/// Gives inputs that the component knows nothing of: arrays in its records, and whole records.
+/// Gives inputs that are unknown to the component: arrays in its records, and whole records.
 class Unknown final : public testing::Passage {
  public:
   enum class What { arrays, slots };

@@ -21,7 +21,7 @@
 #endif
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define WEFT_SANITIZER_ALLOCATES
-// Of sanitizer/allocator_interface.h, which GCC does not install.
+// Declared in sanitizer/allocator_interface.h, which GCC does not install.
 extern "C" std::size_t __sanitizer_get_current_allocated_bytes();
 #endif
 
@@ -114,7 +114,7 @@ std::string floating_point_mode() {
   std::ostringstream text;
   text << std::hex << "rounding " << std::fegetround();
 #if defined(__x86_64__)
-  constexpr unsigned kFlags = 0x3F;  // what computations leave behind
+  constexpr unsigned kFlags = 0x3F;  // exception flags that computations set
   text << ", control " << (_mm_getcsr() & ~kFlags);
 #endif
   return text.str();

@@ -7,25 +7,24 @@
 #include <string>
 #include <vector>
 
-/// What a library shares with the process that loads it.
+/// The state that a library shares with the process that loads it.
 namespace weft::conformance {
 
 std::size_t count_descriptors();
 std::size_t count_threads();
-std::int64_t resident_bytes();  ///< of the process; under a sanitizer, those of the heap
+std::int64_t resident_bytes();  ///< memory of the process; under a sanitizer, that of the heap
 std::int64_t heap_bytes();      ///< that are allocated and not freed
 
-/// [ms] of processor time that this process took so far, all of its threads.
+/// [ms] of CPU time that this process has used so far, in all of its threads.
 double processor_ms();
 
-/// [ms] for which a thread could have computed and had no processor; 0 where the kernel does not
-/// say.
+/// [ms] for which a thread was ready but had no processor; 0 if the kernel does not report it.
 double queued_ms(int thread);
 
 /// How this thread rounds, and whether it takes subnormal numbers for zero, as text.
 std::string floating_point_mode();
 
-/// What nobody but the program itself changes, by name, as text: "locale", "signals",
+/// The state that only the program itself may change, by name, as text: "locale", "signals",
 /// "working_directory", "umask", "environment".
 std::map<std::string, std::string> process_state();
 

@@ -6,7 +6,7 @@
 
 namespace weft::conformance {
 
-/// Whether all of a text can be decoded.
+/// True if all of a text can be decoded.
 inline bool is_utf8(std::string_view text) {
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t bytes = utf8::decode(text, at).bytes;

@@ -14,8 +14,8 @@ constexpr int kRounds = 30;
 constexpr double kNothing_px = 0.1;  ///< added to residuals, so that no weight is infinite
 constexpr double kOnALine = 1e-9;
 
-/// How far each match [N] is from where the affine map y = (x, 1) A puts it, px, for the A with the
-/// least sum of these distances: by weights 1 / residual, round after round.
+/// Distance of each match [N] from its prediction by the affine map y = (x, 1) A, px. A minimises
+/// the sum of these distances, by iterative reweighting with 1 / residual.
 struct AffineFit {
   Eigen::VectorXd residual_px;
   bool determined = true;  ///< false for matches on a line or in one place
@@ -49,7 +49,7 @@ class MyPluginFilter final : public weft::Filter {
 
   weft::Result<weft::InlierMask> filter(const weft::FilterInput& in) override {
     const weft::Correspondences& matches = in.correspondences;
-    std::vector<std::int64_t> judged;  // what an earlier filter rejected has no say
+    std::vector<std::int64_t> judged;  // matches that an earlier filter rejected do not count
     for (std::int64_t i = 0; i < matches.count(); ++i) {
       if (matches.kept(i) != 0) judged.push_back(i);
     }

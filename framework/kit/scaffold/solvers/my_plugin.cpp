@@ -26,10 +26,10 @@ struct Seen {
 };
 
 /// The rotation and translation with the least sum of squared distances of the points from their
-/// rays, by orthogonal iteration: the best translation of a rotation has a closed form, and the
-/// next rotation is the one that aligns the points with their nearest places on the rays.
+/// rays, by orthogonal iteration. The best translation of a rotation has a closed form. The next
+/// rotation aligns the points with their nearest points on the rays.
 weft::Result<weft::RigidAlignment> rigid_pose(const Seen& seen, int rounds) {
-  // It begins facing the camera, turned as the picture is.
+  // The initial pose faces the camera, with the rotation of the image.
   const weft::Points3 picture = (seen.ray.array().colwise() / seen.ray.col(2).array()).matrix();
   auto pose = weft::align_points(seen.rest_m, picture);
   if (!pose) return pose.error();

@@ -9,12 +9,12 @@
 namespace {
 
 constexpr double kWidth_m = 0.297, kHeight_m = 0.178;
-constexpr int kColumns = 24, kRows = 14;  ///< of the grid of matches
+constexpr int kColumns = 24, kRows = 14;  ///< size of the grid of matches
 constexpr double kFramesASecond = 30.0;
 const weft::Camera kCamera{820.0, 820.0, 319.5, 239.5, 640, 480};
 
-/// The point of a sheet that is rolled about an upright axis behind it, as a circular cylinder:
-/// m, camera frame, of the place (x, y) m of the template. Lengths along the sheet are kept.
+/// The point of a surface rolled about an upright axis behind it, as a circular cylinder: m, camera
+/// frame, for the template position (x, y) m. Lengths along the surface are kept.
 Eigen::Vector3d rolled(double x_m, double y_m, double curvature_per_m, double distance_m) {
   const double arc_m = x_m - 0.5 * kWidth_m, turn_rad = curvature_per_m * arc_m;
   const bool flat = std::abs(turn_rad) < 1e-6;
@@ -24,7 +24,7 @@ Eigen::Vector3d rolled(double x_m, double y_m, double curvature_per_m, double di
   return {across_m, y_m - 0.5 * kHeight_m, distance_m + behind_m};
 }
 
-/// Matches of a sheet that is rolled ever more tightly, with exact truth.
+/// Matches of a surface that is rolled ever more tightly, with exact truth.
 class MyPluginSource final : public weft::Source {
  public:
   static constexpr weft::About kAbout{.produces = "time correspondences ground_truth",
@@ -47,7 +47,7 @@ class MyPluginSource final : public weft::Source {
     if (index < 0 || index >= frames_) {
       return weft::Error{weft::Errc::invalid_value, "there is no frame " + std::to_string(index)};
     }
-    weft::Rng rng = call.rng();  // of this frame, in whatever order frames are read
+    weft::Rng rng = call.rng();  // random numbers of this frame, in any order of reading
     const auto done = static_cast<double>(index + 1) / static_cast<double>(frames_);
     const std::int64_t count = std::int64_t{kColumns} * kRows;
     weft::Correspondences matches;

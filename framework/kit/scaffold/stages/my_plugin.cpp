@@ -15,7 +15,7 @@ struct MyPluginInput {
   }
 };
 
-/// A record of your own goes here too, under its name: docs/examples/own_records.
+/// A custom record is also a member here, under its name: docs/examples/own_records.
 struct MyPluginOutput {
   weft::Region region{};
 

@@ -27,7 +27,7 @@ class MyPluginTemplate final : public weft::TemplateBuilder {
   }
 
  private:
-  /// Of a vertex: 0 is the middle, rings count from 1.
+  /// Index of a vertex: 0 is the middle, rings count from 1.
   std::int32_t vertex(int ring, int spoke) const {
     return ring == 0 ? 0 : 1 + (ring - 1) * spokes_ + spoke % spokes_;
   }
@@ -72,7 +72,7 @@ class MyPluginTemplate final : public weft::TemplateBuilder {
     }
   }
 
-  /// A plain texture, of which the disc is the object.
+  /// A plain texture with the disc as the object.
   void paint(weft::Template& templ) const {
     templ.texture = weft::Array<std::uint8_t>({texture_px_, texture_px_}, kPlainGrey);
     templ.mask = weft::Array<std::uint8_t>({texture_px_, texture_px_}, 0);

@@ -9,23 +9,23 @@
 
 namespace weft::testing {
 
-/// What a component says of a scene, and what its warp is at points of the texture.
+/// The answer of a component to a scene, and its warp at points of the texture.
 struct Asked {
   Answer answer;
-  std::optional<Points2> warped_px{};  ///< [M,2] px, of the texels that were asked for
+  std::optional<Points2> warped_px{};  ///< [M,2] px, at the requested texels
 };
 
-/// Asks a new instance. Who makes shapes is not told the last one, nor known points, nor an image
-/// that it can do without: it must find the shape by itself. A warp is evaluated at `texels_px`.
+/// Calls a new instance. Solvers get neither the last shape, nor known points, nor an optional
+/// image: they must find the shape by themselves. A warp is evaluated at `texels_px`.
 Asked ask(const Subject& subject, const Scene& scene, const Points2& texels_px);
 
-/// Whether it is then given an image.
+/// True if it is then given an image.
 bool sees_pixels(const Subject& subject);
 
 /// Points well inside the texture, away from the borders of any grid, [25,2] px.
 Points2 inner_texels(const Template& templ);
 
-/// Evaluates at points of the texture; nothing where a point is said to be beyond.
+/// Evaluates at points of the texture; nothing if the warp marks a point as outside.
 std::optional<Points2> warped(Performer& performer, const HostRecord& warp,
                               const Points2& texels_px);
 

@@ -25,9 +25,9 @@ inline double mean_distance(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) 
   return (a - b).rowwise().norm().mean();
 }
 
-/// 200 matches, or 400 for those that judge: filters by statistics of cells need 300. Mismatches
-/// are for them alone. Whether a match is correct is known of any noise, as mismatches are mostly
-/// far.
+/// 200 matches, or 400 for components that judge them: filters by statistics of cells need 300.
+/// Only these get mismatches. The labels hold for any noise, because mismatches are mostly far
+/// away.
 Scene drawn_scene(const Subject& subject, double mismatches, double noise_px, int round);
 
 /// One output held against the truth of its scene.
@@ -37,7 +37,8 @@ struct Deviation {
   std::string what;  ///< "its shape is off by 3.1 mm in the mean"
 };
 
-/// Of each output of which something is known; matches and vertices that none is left of are wrong.
+/// The deviations of each output that has a truth; matches and vertices without an output count as
+/// wrong.
 std::vector<Deviation> deviations_of(const Scene& scene, const Asked& asked,
                                      const Points2& texels_px);
 

@@ -10,8 +10,8 @@
 namespace weft::testing {
 namespace {
 
-// What docs/conventions.md promises across compilers, whose rounding differs as that of a moved
-// scene does.
+// The tolerance that docs/conventions.md promises across compilers, whose rounding differs like
+// that of a moved scene.
 constexpr double kSame_m = 1e-6;
 constexpr double kSame_px = 1e-6;
 
@@ -35,7 +35,7 @@ struct Sights {
   Points2 at_px;
 };
 
-/// Whether the same sights are there, in any order.
+/// Compares two sets of sights in any order.
 std::string sights_moved(const Sights& expected, const Sights& made, double same_from,
                          double same_px) {
   if (expected.at_px.rows() != made.at_px.rows()) {

@@ -37,8 +37,8 @@ Eigen::ArrayXd errors_at(const Subject& subject, double noise_px) {
   return errors;
 }
 
-/// By how much the mean may fall by chance: twice its standard error, and a twentieth for errors
-/// that do not come from noise.
+/// The tolerance for a random decrease of the mean: twice its standard error, and a twentieth for
+/// errors that do not come from noise.
 double slack(const Eigen::ArrayXd& growth, double error) {
   const double spread = (growth - growth.mean()).square().sum() / (kRounds - 1);
   return 2.0 * std::sqrt(spread / kRounds) + 0.05 * error;

@@ -8,11 +8,11 @@
 
 #include "kit/testing/contract_scene.hpp"
 
-/// Changes of a scene after which a component must say the same, moved along.
+/// Changes of a scene after which a component must give the same answer, moved along.
 namespace weft::testing {
 
-/// What happens to a scene. Points of the image go to image * (x,y) + image_shift_px, which keeps
-/// axes parallel to axes; points in the camera frame to space * (X,Y,Z).
+/// A transformation of a scene. Points of the image move to image * (x,y) + image_shift_px, which
+/// keeps axes parallel to axes; points in the camera frame move to space * (X,Y,Z).
 struct Move {
   std::string name;  ///< "image rolled"
   Eigen::Matrix2d image = Eigen::Matrix2d::Identity();

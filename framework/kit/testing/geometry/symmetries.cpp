@@ -15,7 +15,7 @@ bool takes_matches(const Subject& subject) {
          subject.takes("keypoints");
 }
 
-/// Why a scene that is moved so says nothing of the component; empty where it does.
+/// The reason why a scene moved in this way does not test the component; empty if it does.
 std::string why_not(const Subject& subject, const Move& move) {
   if (!move.matches.empty() && !takes_matches(subject)) return "it is given no matches";
   if (!move.matches.empty() && subject.is_random()) {

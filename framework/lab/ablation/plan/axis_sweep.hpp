@@ -11,8 +11,8 @@ namespace weft::lab {
 
 /// A number that an axis runs through, or several, each in a family of its values.
 struct AxisSweep {
-  std::string name;             ///< of the axis, where its values are called by the number, or of
-                                ///< the setting
+  std::string name;             ///< name of the axis, if its values are labelled by the number, or
+                                ///< of the setting
   std::vector<double> numbers;  ///< one a value; NaN: the value sets something else
   /// Where there are several families, the one of each value, empty for none: what the names of
   /// its values begin with ("tran" of "tran_0.05"), or the setting.

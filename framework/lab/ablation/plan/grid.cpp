@@ -107,7 +107,7 @@ class GridBuilder {
     }
   }
 
-  /// Of each place once, however many cells have it.
+  /// Each position once, even if many cells have it.
   void warn(const std::vector<ConfigSource>& sources, const host::FormerName& name) {
     yaml::Problem warning = warning_of(name, sources);
     if (!warned_.insert(place_in(sources, name.at) + warning.message).second) return;

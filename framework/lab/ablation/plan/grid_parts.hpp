@@ -12,8 +12,9 @@
 /// is read, checked and identified only once.
 namespace weft::lab {
 
-/// A document in two parts, each by its content and the texts that its values stand in: source and
-/// template; all else, with the components of the first, which the wiring depends on.
+/// The content of a document in two parts, each with the texts that contain its values. One part is
+/// source and template. The other is the rest, with the components of the first, on which the
+/// wiring depends.
 struct PartNames {
   std::string data, rest;
 };

@@ -207,7 +207,8 @@ class PlanReader {
     }
   }
 
-  /// What `where` may ask of this; nothing after a mistake, or where it cannot be known here.
+  /// The values that `where` may use for this key; nothing after an error, or if they are unknown
+  /// here.
   std::optional<std::vector<std::string>> known_values(const std::string& key, yaml::Position at) {
     std::vector<std::string> known;
     if (key == "seed") {

@@ -69,7 +69,7 @@ struct Helpers {
 /// An ablation plan; docs/ablations.md describes the file.
 struct Plan {
   std::vector<ConfigSource> sources;  ///< the plan file, what it extends, the command line
-  /// Ids and metrics; former names of what is laid over a pipeline are found as that is done.
+  /// Ids and metrics; former names in a patch are found when it is merged into a pipeline.
   std::vector<host::FormerName> former_names;
   std::string name;
   std::vector<std::string> pipelines;  ///< files of the base; several: one a value of `pipeline`,

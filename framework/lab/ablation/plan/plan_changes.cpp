@@ -170,7 +170,8 @@ class PathReader {
   }
 
  private:
-  /// What the rest of the path from `start` on lays over `base`, which is the value of `container`.
+  /// The map that the rest of the path from `start` on merges into `base`, the value of
+  /// `container`.
   yaml::Node from(std::size_t start, const yaml::Node* base, const std::string& container) {
     const std::string rest = setting_.substr(start, equals_ - start);
     std::string key = rest.substr(0, rest.find('.'));

@@ -14,16 +14,17 @@ struct PlanDocument {
   yaml::Node root;                             ///< without `extends` and `without`
   std::vector<ConfigSource> sources;           ///< the file, what it extends, the command line
   std::vector<yaml::Problem> problems;         ///< [.] errors with their places
-  std::vector<host::FormerName> former_names;  ///< of ids and metrics; the root has current ones
+  std::vector<host::FormerName> former_names;  ///< former names of ids and metrics; the root has
+                                               ///< current ones
   bool complete = true;                        ///< each text could be read to its end
 };
 
 /// Reads a plan file, lays it over the plan that it `extends`, and lays the changes of the command
 /// line over that.
 ///
-/// Maps are merged key by key, anything else is replaced; an axis with another `set` path or
-/// another `stage` replaces the one of its name. A key that the extended plan lacks goes behind the
-/// one listed before it, before the one listed after it where it is listed first, or to the end.
+/// Maps are merged key by key, all other values are replaced. An axis with another `set` path or
+/// another `stage` replaces the one with its name. A key that the extended plan lacks is inserted
+/// after its predecessor in the list, before its successor if it is listed first, or at the end.
 /// `name` is not taken from the extended plan.
 PlanDocument read_plan_document(const std::string& file, const PlanChanges& changes);
 

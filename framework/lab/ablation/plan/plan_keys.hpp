@@ -18,7 +18,7 @@ const yaml::KeyTable& plan_keys();
 const yaml::KeyTable& axis_keys();
 const yaml::KeyTable& component_axis_keys();
 
-/// The keys of what is laid over a pipeline, and those of it that are a value of an axis or data.
+/// The keys of a patch of a pipeline, and those of them that are a value of an axis or data.
 const yaml::KeyTable& patch_keys();
 const yaml::KeyTable& axis_value_keys();
 const yaml::KeyTable& data_keys();

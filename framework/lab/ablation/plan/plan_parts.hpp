@@ -35,7 +35,8 @@ class PlanValues {
   /// True if the node is a map of no keys but these; `what` names it in messages.
   bool is_map(const yaml::Node& node, const std::string& what, const yaml::KeyTable& table);
 
-  /// The same of what is a map; what is under a misspelt key is then under the one that was meant.
+  /// The same for a value that must be a map; the content of a misspelt key moves to the intended
+  /// key.
   void correct_keys(yaml::Node& map, const std::string& what, const yaml::KeyTable& table);
 
   /// A text that is not empty, or "" after an error.
@@ -87,9 +88,10 @@ std::vector<std::pair<std::string, yaml::Position>> metrics_of(const Plan& plan)
 std::vector<Axis> read_axes(const yaml::Node& node, const host::Registry& registry,
                             PlanValues& values, std::set<std::string>& broken);
 
-/// The values of an axis of components: one for each that `use` names without those in `except`,
-/// or, with `sweep: threshold`, one for each value of the parameter that the component declares for
-/// that. The parameters that `set` gives to a component go with them.
+/// The values of an axis of components. There is one for each that `use` names without those in
+/// `except`. With `sweep: threshold`, there is one for each value of the parameter that the
+/// component declares as its threshold. Each includes the parameters that `set` gives to a
+/// component.
 std::vector<NamedPatch> component_values(const yaml::Node& axis, const host::Registry& registry,
                                          PlanValues& values);
 

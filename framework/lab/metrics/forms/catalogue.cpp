@@ -19,7 +19,8 @@ struct ListOf<std::vector<Entry>> : std::bool_constant<MetricStruct<Entry>> {
   using Type = Entry;
 };
 
-/// Collects the paths of all declarations. In columns nothing says that a member is of the truth.
+/// Collects the paths of all declarations. Columns do not indicate that a member belongs to the
+/// truth.
 class Collector : public EveryDeclaration<Collector> {
  public:
   Collector(std::string prefix, char joint, std::vector<CatalogueEntry>& entries)
@@ -30,7 +31,7 @@ class Collector : public EveryDeclaration<Collector> {
     if constexpr (MetricStruct<const Member>) {
       enter(field.name, member);
     } else if constexpr (ListOf<Member>::value) {
-      // The frames have a catalogue of their own.
+      // The frames have a separate catalogue.
       using Entry = typename ListOf<Member>::Type;
       const char* label = std::is_same_v<Entry, GroupMetrics>  ? "KIND"
                           : std::is_same_v<Entry, PartMetrics> ? "PART"
@@ -88,8 +89,8 @@ std::vector<std::string> words_of(const std::string& path) {
   return words;
 }
 
-/// Whether the words of a path are those of a pattern, whose STAGE or KIND may be left out; then
-/// `label` is what stands there.
+/// True if the words of a path match a pattern, whose STAGE or KIND may be omitted; then `label` is
+/// the word at that position.
 bool matches(const std::vector<std::string>& pattern, const std::vector<std::string>& words,
              std::string& label) {
   std::size_t at = 0;

@@ -32,8 +32,8 @@ struct FoundEntry {
 
 FoundEntry entry_of(const std::string& path);
 
-/// What people call the number of a path, without its unit: "mean 3D error", "matches kept, aem";
-/// the path itself where there is no such number.
+/// The readable name of the number at a path, without its unit: "mean 3D error", "matches kept,
+/// aem"; the path itself if there is no such number.
 std::string metric_name(const std::string& path);
 /// "mean 3D error, mm".
 std::string metric_heading(const std::string& path);

@@ -15,7 +15,7 @@ namespace {
 /// Fields of a frame by the names of their columns, in the order in which they are first met.
 struct Columns {
   std::vector<std::string> names;
-  std::map<std::string, std::string> fields;  ///< of the frame that was visited last
+  std::map<std::string, std::string> fields;  ///< fields of the last visited frame
 
   void put(const std::string& name, std::string field) {
     if (!fields.contains(name)) names.push_back(name);
@@ -51,7 +51,7 @@ class CsvWriter {
     Metrics::fields(given, inner);
   }
 
-  /// What stands in an object of its own in JSON has no prefix here.
+  /// Members of a nested JSON object have no prefix here.
   template <class Members>
   void object(const MetricField& /*field*/, bool there, Members&& members) {
     when(there, members);

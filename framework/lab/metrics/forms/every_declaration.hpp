@@ -5,8 +5,7 @@
 
 namespace weft::lab {
 
-/// The base of a visitor that takes each declared member as one of its own, whether a frame has it
-/// or not.
+/// The base of a visitor that treats each declared member separately, even if a frame lacks it.
 template <class Visitor>
 class EveryDeclaration {
  public:

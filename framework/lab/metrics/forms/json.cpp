@@ -93,7 +93,7 @@ class JsonReader {
   explicit JsonReader(const json& object) : JsonReader(object.get_ref<const Object&>()) {}
   explicit JsonReader(const Object& object) : object_(object) {}
 
-  /// Whether any member was there.
+  /// True if any member was present.
   bool found() const { return found_; }
 
   template <class Member>
@@ -184,9 +184,9 @@ class JsonReader {
     }
     return otherwise;
   }
-  static constexpr ShapeState last(ShapeState /*of*/) { return ShapeState::lost; }
-  static constexpr FrameOutcome last(FrameOutcome /*of*/) { return FrameOutcome::invalid; }
-  static constexpr Alignment last(Alignment /*of*/) { return Alignment::rigid; }
+  static constexpr ShapeState last(ShapeState /*type*/) { return ShapeState::lost; }
+  static constexpr FrameOutcome last(FrameOutcome /*type*/) { return FrameOutcome::invalid; }
+  static constexpr Alignment last(Alignment /*type*/) { return Alignment::rigid; }
 
   const Object& object_;
   bool found_ = false;

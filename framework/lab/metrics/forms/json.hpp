@@ -11,8 +11,8 @@ namespace weft::lab {
 /// Metrics as an object, its members in the order of their declaration.
 nlohmann::ordered_json json_of(const RunMetrics& metrics);
 
-/// The way back. What a file lacks, as those of older programs do, stays as it is without a value;
-/// Errc::invalid_data where a member has another type.
+/// The inverse. Members that a file lacks, such as those of older programs, stay without a value;
+/// Errc::invalid_data if a member has another type.
 Result<RunMetrics> metrics_of(const nlohmann::json& object);
 
 }  // namespace weft::lab

@@ -8,7 +8,7 @@ namespace weft::lab {
 namespace {
 
 struct HumanName {
-  const char* ending;  ///< of the path, as the catalogue has it
+  const char* ending;  ///< path, as in the catalogue
   const char* name;
 };
 
@@ -72,7 +72,7 @@ constexpr HumanName kHumanNames[] = {
 
 constexpr std::string_view kCarriedOver = "error_carried_over.";
 
-/// Whether a path is the ending or has it behind a dot.
+/// True if a path is the ending or ends with a dot and the ending.
 bool ends_in(const std::string& path, std::string_view ending) {
   return path.ends_with(ending) &&
          (path.size() == ending.size() || path[path.size() - ending.size() - 1] == '.');

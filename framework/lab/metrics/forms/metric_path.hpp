@@ -11,9 +11,9 @@ namespace weft::lab {
 /// The 3D error, which comparisons pair frame by frame.
 inline constexpr const char* kErrorMetric = "all.error_solved.mean_mm";
 
-/// The figure that a path such as "all.error_solved.mean_mm" names in the JSON of a RunMetrics; NaN
-/// where it is null. In a list the path names an entry by its stage, kind or part, or leaves it out
-/// where there is one entry only. The Error says what is missing.
+/// The number at a path such as "all.error_solved.mean_mm" in the JSON of a RunMetrics; NaN if it
+/// is null. In a list, the path names an entry by its stage, kind or part, which a list with one
+/// entry does not need. The Error names the missing part.
 Result<double> metric_at(const nlohmann::json& metrics, const std::string& path);
 
 /// Why no run with these filter stages can have such a figure, or nothing.

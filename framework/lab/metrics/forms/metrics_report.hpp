@@ -7,12 +7,12 @@
 
 namespace weft::lab {
 
-/// Everything as JSON, indented, the same bytes for the same metrics. Units are in the names; what
-/// is unknown is null.
+/// Everything as JSON, indented, the same bytes for the same metrics. Units are in the names;
+/// unknown values are null.
 std::string to_json(const RunMetrics& metrics);
 
-/// What a person reads: counts, then errors in millimetres, one row a group; excluded rows and
-/// frames with an old shape follow in parts of their own. UTF-8, ends with a line break.
+/// The readable tables: counts, then errors in millimetres, one row a group. Excluded rows and
+/// frames with an old shape follow in separate parts. UTF-8, ends with a line break.
 std::string to_table(const RunMetrics& metrics);
 
 /// The part of it with the 3D errors alone, for a further alignment.
@@ -25,7 +25,7 @@ std::string to_frames_table(const RunMetrics& metrics);
 /// folder never mixes them.
 std::string metrics_file_name(Alignment alignment);
 
-/// One row a frame, as comma-separated values with a header; what is unknown is empty.
+/// One row a frame, as comma-separated values with a header; unknown values are empty.
 std::string to_csv(const RunMetrics& metrics);
 
 /// Write a file, which appears whole: it is renamed from a temporary name beside it.

@@ -10,7 +10,7 @@ namespace weft::lab {
 
 inline constexpr const char* kNoValue = "-";
 
-/// With so many decimals; kNoValue for what is not finite.
+/// The number with `decimals` decimals; kNoValue if it is not finite.
 std::string decimal(double value, int decimals);
 
 using TableRow = std::vector<std::string>;
@@ -21,7 +21,7 @@ std::string align(const std::vector<TableRow>& rows);
 /// Text from a file on one line: control characters could move a terminal's cursor.
 std::string printable(std::string text);
 
-/// Lines of the table of a run; empty where there is nothing to say.
+/// Lines of the table of a run; empty if there are no such figures.
 std::string surfaces_text(const RunMetrics& metrics);
 std::string visibility_text(const VisibilityMetrics& visibility);
 std::string registration_text(const RegistrationMetrics& registration);

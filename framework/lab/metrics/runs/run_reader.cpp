@@ -40,7 +40,7 @@ Result<std::optional<RecordType>> find_typed(const host::NamedRecords& records,
   return std::optional<RecordType>();
 }
 
-/// Whether matches hold finite numbers and faces of the mesh, as the program writes them.
+/// True if matches have finite numbers and faces of the mesh, as the program writes them.
 bool usable(const Correspondences& matches, std::int64_t faces) {
   for (std::int64_t n = 0; n < matches.count(); ++n) {
     if (matches.face(n) < -1 || matches.face(n) >= faces) return false;
@@ -49,7 +49,7 @@ bool usable(const Correspondences& matches, std::int64_t faces) {
          matches.barycentrics.matrix<3>().allFinite();
 }
 
-/// The matches of a frame with what filters left of them; RunFolder says how the slots are named.
+/// The matches of a frame after the filters; RunFolder documents the names of the slots.
 class MatchFinder {
  public:
   MatchFinder(const host::NamedRecords& records, std::int64_t faces, const std::string& file)

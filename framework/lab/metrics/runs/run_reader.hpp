@@ -24,7 +24,7 @@ struct FrameLine {
   std::string stem;         ///< stem of the image file, empty where there is none
   ShapeState state = ShapeState::none;
   bool failed = false;  ///< a stage, the source or a sink had an error
-  /// [] in the frame's file, which is there unless it is 0; -1: the line does not say
+  /// [] in the frame's file, which exists unless this is 0; -1: not in the line
   std::int64_t records = -1;
 };
 

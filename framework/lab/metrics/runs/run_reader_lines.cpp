@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a run says of itself beside the records of its frames.
+// Reads the contents of a run folder other than the records of its frames.
 #include <algorithm>
 #include <filesystem>
 #include <sstream>
@@ -110,7 +110,7 @@ Result<void> RunReader::read_manifest() {
   is_sequence_ = manifest->value("sequence", json()) != false;
   const json source_frames = manifest->value("source_frames", json());
   if (source_frames.is_number_unsigned()) source_frames_ = source_frames.get<std::int64_t>();
-  const json end = manifest->value("end", json());  // runs of older programs say nothing of it
+  const json end = manifest->value("end", json());  // runs of older programs lack this key
   if (end == "end.json") {
     if (auto read = read_end(folder_ + "/end.json"); !read) return read;
   }
@@ -135,7 +135,7 @@ Result<void> RunReader::read_manifest() {
   return {};
 }
 
-/// A manifest that is empty or cut off costs what it alone says, not the frames.
+/// An empty or truncated manifest loses its own contents, not the frames.
 Result<void> RunReader::do_without_manifest(const Error& fault) {
   const std::string file = folder_ + "/manifest.json";
   const bool is_missing = fault.code == Errc::not_found;

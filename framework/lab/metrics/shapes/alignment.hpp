@@ -19,8 +19,9 @@ enum class Alignment {
 const char* to_string(Alignment alignment);
 std::optional<Alignment> alignment_of(std::string_view name);
 
-/// The estimated points [N,3] moved onto the true ones [N,3], both in m, camera frame. no_result
-/// where the points do not determine the transform (too few, on a line, in the camera's centre).
+/// The estimated points [N,3] moved onto the true ones [N,3], both in m, camera frame. Returns
+/// no_result if the points do not determine the transform (too few, on a line, in the camera's
+/// centre).
 Result<Points3> align_estimate(const Points3View& estimated_m, const Points3View& truth_m,
                                Alignment alignment);
 

@@ -23,9 +23,9 @@ struct PointErrors {
 
 /// Measures shapes of one template.
 ///
-/// A truth point at template_xy_m lies at the texel (u,v) = xy / m_per_px, that is in a face of the
-/// flat mesh with barycentric weights w; its estimate is X = sum w_k X_k of that face's vertices,
-/// its error |X - X_truth| (Euclidean).
+/// A truth point at template_xy_m has the texel (u,v) = xy / m_per_px. The texel is in a face of
+/// the flat mesh with barycentric weights w. The estimate is X = sum w_k X_k over that face's
+/// vertices, and its error is |X - X_truth| (Euclidean).
 class ShapeMeter {
  public:
   /// Copies what it needs. Fails on a mesh that cannot be used.

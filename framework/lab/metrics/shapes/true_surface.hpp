@@ -27,8 +27,8 @@ std::vector<Corners> corners_of(const Points3View& points, const FacesView& face
 
 double area_of(const Corners& corners);
 
-/// `count` places drawn evenly by area; none where the triangles have no area. Two surfaces that
-/// are compared need two seeds: with one, meshes of the same faces would have their samples in the
+/// `count` points sampled uniformly by area; none if the triangles have no area. Two surfaces that
+/// are compared need two seeds: with one, meshes of the same faces would have their samples at the
 /// same places.
 std::vector<Eigen::Vector3d> places_on(const std::vector<Corners>& triangles, std::int64_t count,
                                        std::uint64_t seed);

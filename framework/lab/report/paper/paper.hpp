@@ -17,8 +17,8 @@ std::string origin_of(const Results& results);
 /// origin. Empty where no combination has an error.
 std::string error_figure(const Results& results, const ReportTables& tables);
 
-/// Of the last filter stage of each combination the rates that matter, as an SVG file alike. Empty
-/// where no filter was measured.
+/// The main rates of the last filter stage of each combination, as an SVG file. Empty if no filter
+/// was measured.
 std::string filter_figure(const Results& results, const ReportTables& tables);
 
 struct PaperFiles {

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kLongest_px = 1000;  ///< of the pictures on the page
+constexpr std::int64_t kLongest_px = 1000;  ///< longer side of the images on the page
 
 /// The worst, the median and the best frame by the patches within 1 mm, each frame once; or the
 /// only one.

@@ -22,7 +22,8 @@ struct PrintFrame {
   std::string rank;         ///< "Worst", "Median" or "Best" by the patches within 1 mm; or "Only"
   std::uint64_t frame = 0;  ///< [] index of the frame
   std::vector<PrintPatch> patches;   ///< [.] compared patches
-  std::string media_type, unwarped;  ///< picture of the unwarped image; empty without one
+  std::string media_type, unwarped;  ///< media type and content of the unwarped image; empty
+                                     ///< without one
 };
 
 /// The flat print and some of the frames that were compared with it.
@@ -30,12 +31,13 @@ struct FlatPrint {
   std::int64_t width_px = 0, height_px = 0;  ///< [] of the texture
   double mm_per_px_u = kUnknown,
          mm_per_px_v = kUnknown;   ///< [] mm per px of the texture along u and v
-  std::string png;                 ///< of the texture, smaller
+  std::string png;                 ///< the texture, reduced in size
   std::vector<PrintFrame> frames;  ///< the worst first; empty for a run that was not compared
 };
 
-/// What a run folder has of it. `unwarping_sink` is the id of the sink that writes unwarped images;
-/// its folder is the one that the run's pipeline names. Fails where a frame cannot be read.
+/// The comparison with the flat texture in a run folder. `unwarping_sink` is the id of the sink
+/// that writes unwarped images; its folder is the one that the run's pipeline names. Fails if a
+/// frame cannot be read.
 Result<FlatPrint> read_flat_print(const RunReader& run, const RunMetrics& metrics,
                                   const std::string& unwarping_sink);
 

@@ -26,7 +26,7 @@ constexpr std::array<MarkStyle, 4> kMarks{{{"near", "at most 1 mm"},
                                            {"far", "more than 2 mm"},
                                            {"missing", "not found"}}};
 
-/// The longest arrow is this part of the print's longer side.
+/// The longest arrow is this part of the texture's longer side.
 constexpr int kParts = 12;
 
 double longer_px(const FlatPrint& print) {
@@ -42,8 +42,8 @@ Mark mark_of(const PrintPatch& patch) {
   return mm <= 1.0 ? Mark::near : Mark::middle;
 }
 
-/// How many times arrows are enlarged: so that nine of ten are at most as long as a part of the
-/// print.
+/// The factor by which arrows are enlarged: nine of ten are then at most as long as a part of the
+/// texture.
 int enlargement(const FlatPrint& print) {
   constexpr double kPart = 0.05;
   std::vector<double> lengths_mm;
@@ -62,8 +62,8 @@ int enlargement(const FlatPrint& print) {
   return chosen;
 }
 
-/// A cross for a patch that was not found, an arrow, or a dot for one that would be too short. Of
-/// wrong places far away only the direction is of interest: their arrows end early.
+/// A cross for a patch that was not found, else an arrow, or a dot if the arrow would be too short.
+/// Arrows to wrong places far away are cut, because only their direction matters.
 std::string mark_path(const PrintPatch& patch, const FlatPrint& print, int times) {
   const double size_px = 0.008 * longer_px(print);
   const double u = patch.u_px, v = patch.v_px;
@@ -96,7 +96,7 @@ std::string mark_path(const PrintPatch& patch, const FlatPrint& print, int times
                             v + dv, right_u, right_v);
 }
 
-/// A group of at most four paths, each over a lighter one that keeps it apart from the picture.
+/// A group of at most four paths, each over a lighter one that separates it from the image.
 std::string print_arrows(const PrintFrame& frame, const FlatPrint& print, int times) {
   std::array<std::string, kMarks.size()> paths;
   for (const PrintPatch& patch : frame.patches) {

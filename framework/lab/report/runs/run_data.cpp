@@ -21,7 +21,7 @@ using nlohmann::json;
 
 constexpr std::size_t kMostWorst = 6;
 
-/// What a member is as T, or another value where it is of another type or missing.
+/// The value of a member as T, or `other` if it is missing or has another type.
 template <class T>
 T member(const json& object, const char* name, T other) {
   const auto found = object.is_object() ? object.find(name) : object.end();
@@ -111,7 +111,7 @@ Result<CellView> read_view(const RunReader& run, const std::vector<std::uint64_t
   return view_of(run.sheet(), frames, all);
 }
 
-/// The first AVI file of the folder that has as many pictures as there are frames.
+/// Uses the first AVI file of the folder that has as many images as there are frames.
 void add_pictures(RunData& data) {
   std::set<std::uint64_t> wanted;
   std::map<std::uint64_t, std::uint64_t> number_of;

@@ -25,7 +25,7 @@ struct StageOutcome {
 /// A line of frames.jsonl, as far as the page shows it.
 struct RunFrame {
   std::uint64_t frame = 0;                                        ///< [] index from 0
-  std::string state;                                              ///< of the shape
+  std::string state;                                              ///< state of the shape
   double mean_mm = kUnknown, worst_mm = kUnknown;                 ///< [] mm, where there is truth
   double confidence = kUnknown;                                   ///< [] 0 to 1
   double within_1mm_percent = kUnknown, displaced_mm = kUnknown;  ///< against a flat reference
@@ -48,7 +48,7 @@ struct RunData {
   std::vector<RunFrame> frames;   ///< ascending
   CellView view;                  ///< some frames, the worst among them
   std::vector<WorstFrame> worst;  ///< the worst first; without truth the least sure ones
-  FlatPrint print;                ///< of a run that was compared with it
+  FlatPrint print;                ///< comparison with the flat texture; for some runs
 };
 
 /// Reads and evaluates a run folder; fails as evaluate_run does. `unwarping_sink` as in

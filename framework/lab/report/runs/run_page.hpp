@@ -10,8 +10,8 @@
 
 namespace weft::lab {
 
-/// What came of a run: how many frames have a shape, how far off they are, how long they take, what
-/// the run found out about its set-up.
+/// Sentences on the results of a run: the number of frames with a shape, their errors, their times,
+/// and the warnings about its set-up.
 std::vector<std::string> sentences_of(const RunData& run);
 
 /// One row for each stage and reason for which it had no result.

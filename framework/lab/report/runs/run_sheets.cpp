@@ -37,7 +37,7 @@ std::string first_frames(const std::vector<std::uint64_t>& frames) {
   return frames.size() > kMost ? text + ", ..." : text;
 }
 
-/// What a status means, in words.
+/// The meaning of a status, in words.
 std::string status_text(const std::string& status) {
   if (status == "no_result") return "had no result";
   if (status == "degenerate") return "had a poor result";

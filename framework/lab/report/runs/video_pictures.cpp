@@ -48,7 +48,7 @@ VideoPictures video_pictures(const std::string& file, const std::set<std::uint64
   if (!riff || riff->id != "RIFF" || next_word(stream) != "AVI ") return pictures;
   while (const auto chunk = next_chunk(stream)) {
     if (chunk->id == "LIST") {
-      // The pictures are inside the list `movi`; other lists are passed over.
+      // The images are inside the list `movi`; other lists are skipped.
       if (next_word(stream) != "movi") skip(stream, chunk->bytes - kWordBytes);
       continue;
     }

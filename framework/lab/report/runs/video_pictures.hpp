@@ -13,8 +13,8 @@ struct VideoPictures {
   std::map<std::uint64_t, std::string> wanted;  ///< JPEG files, by their number from 0
 };
 
-/// The wanted pictures of an AVI file with one stream of JPEG pictures (Motion JPEG). None where it
-/// is another file; those before the place where it ends or is damaged.
+/// The wanted images of an AVI file with one stream of JPEG images (Motion JPEG). Other files give
+/// none. A truncated or damaged file gives the images before that place.
 VideoPictures video_pictures(const std::string& file, const std::set<std::uint64_t>& wanted);
 
 }  // namespace weft::lab

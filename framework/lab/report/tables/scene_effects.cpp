@@ -14,12 +14,12 @@ namespace weft::lab {
 namespace {
 
 constexpr std::size_t kMostSequences = 24;  ///< that a figure has a row for
-constexpr std::size_t kStretches = 6;       ///< of the frames of a seed
+constexpr std::size_t kStretches = 6;       ///< parts of the frames of a seed
 
 using Differences = std::map<std::uint64_t, std::vector<double>>;  ///< by seed, frame after frame
 
-/// Means of stretches of consecutive frames, equally long as far as may be: neighbours resemble
-/// each other, stretches much less.
+/// Means of stretches of consecutive frames, of nearly equal length: neighbouring frames are
+/// correlated, stretches much less.
 void add_stretches(std::span<const double> frames, std::vector<double>& means) {
   const std::size_t stretches = std::min(kStretches, frames.size());
   for (std::size_t i = 0; i < stretches; ++i) {

@@ -9,19 +9,19 @@
 
 namespace weft::lab {
 
-/// How far two values of an axis are apart on one sequence or on a kind of data.
+/// The difference between two values of an axis on one sequence or on a kind of data.
 struct SceneEffect {
   std::string scene;
   double mean = kUnknown;  ///< a - b, in the unit of the metric
-  /// 95 % of the mean. Of one sequence: by a bootstrap over stretches of consecutive frames, six a
-  /// seed. Of a kind of data: as in PairedTest, over its sequences.
+  /// 95 % interval of the mean. For one sequence, by a bootstrap over stretches of consecutive
+  /// frames, six a seed. For a kind of data, as in PairedTest, over its sequences.
   Interval interval;
   std::int64_t n = 0;  ///< [] sequences
 };
 
-/// The scenes of a comparison, pair by pair in the order of `pairs`; in the order of the plan. A
-/// scene is a sequence or, of plans with many, a kind of data; one in which a pair never has two
-/// values is left out.
+/// The scenes of a comparison in the order of the plan, pair by pair in the order of `pairs`. A
+/// scene is a sequence or, in plans with many, a kind of data. A scene in which a pair never has
+/// two values is omitted.
 std::vector<std::vector<SceneEffect>> scene_effects(const Results& results,
                                                     const PlanComparison& plan,
                                                     const std::vector<PairComparison>& pairs);

@@ -32,7 +32,7 @@ std::size_t axis_index(const Results& results, const std::string& name) {
 
 constexpr const char* kData = "data";  ///< as `where` of a plan names it
 
-/// The axes by which a comparison is taken apart; data with too few sequences are no values.
+/// The axes by which a comparison is split; data with too few sequences are no values.
 std::vector<PlanAxis> other_few_valued_axes(const PlanRecord& plan, const std::string& axis) {
   constexpr std::size_t kMostValues = 8;
   std::vector<PlanAxis> axes;

@@ -9,10 +9,10 @@ namespace weft::lab {
 /// The better direction of a metric.
 Better better_of(const std::string& metric);
 
-/// What the cells that `where` selects say of the values of the comparison's axis. The 3D error
-/// enters frame by frame, every other metric cell by cell. Cells that differ on other axes are
-/// paired with each other and count as further seeds of their sequence. A cell that has not been
-/// run says nothing.
+/// The observations on the values of the comparison's axis, from the cells that `where` selects.
+/// The 3D error enters frame by frame, every other metric cell by cell. Cells that differ on other
+/// axes are paired with each other and count as further seeds of their sequence. A cell that has
+/// not been run gives no observation.
 std::vector<Observation> observations_of(const Results& results, const PlanComparison& plan,
                                          const Selection& where = {});
 
@@ -24,8 +24,8 @@ Result<ComparisonTable> compare(const Results& results, const PlanComparison& pl
 
 /// The same comparison with one value of another axis at a time.
 struct SeparateComparison {
-  std::string axis;                     ///< of the plan, or "data"
-  std::vector<std::string> values;      ///< of that axis
+  std::string axis;                     ///< axis of the plan, or "data"
+  std::vector<std::string> values;      ///< values of that axis
   std::vector<ComparisonTable> tables;  ///< one a value; they are one family
 };
 

@@ -12,7 +12,7 @@
 namespace weft::lab {
 namespace {
 
-/// Mean over the sequences of the mean over the cells of each; cells without a figure are left out.
+/// Mean over the sequences of the mean over the cells of each; cells without a figure are omitted.
 struct MeansBySequence {
   std::map<std::string, std::vector<double>> by_sequence;
 

@@ -69,7 +69,7 @@ Result<PageAssets> read_assets(const std::string& folder) {
 
 // Appended to, never joined: a page has megabytes.
 std::string page_html(const Page& page, const PageAssets& assets) {
-  constexpr std::size_t kRest = 1 << 18;  // what is no script and no data, as a rule
+  constexpr std::size_t kRest = 1 << 18;  // typical size of a page without scripts and data
   std::string text = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
@@ -121,7 +121,7 @@ std::string viewer_html(const std::string& about) {
 }
 
 std::string script_safe(const std::string& json) {
-  // A text could hold the end of the element that the JSON stands in.
+  // A text could contain the closing tag of the element that contains the JSON.
   std::string text;
   text.reserve(json.size());
   for (const char c : json) {

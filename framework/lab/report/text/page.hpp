@@ -10,7 +10,7 @@ namespace weft::lab {
 struct ReportOptions {
   std::string page;              ///< file of the page; empty: report.html in the folder
   std::string assets;            ///< folder of report.css and, where npm built it, report.js
-  std::string unwarping_sink{};  ///< id of the sink whose images stand beside the flat print
+  std::string unwarping_sink{};  ///< id of the sink whose images are shown beside the flat texture
 };
 
 struct ReportFiles {

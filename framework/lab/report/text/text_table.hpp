@@ -26,8 +26,9 @@ struct TextColumn {
   std::string name;     ///< as people read it, with its unit
   std::string field{};  ///< as programs do
   bool numeric = false;
-  std::string of{};       ///< for programs, the name of the whole that a share is of
-  bool foldable = false;  ///< said once for all rows, where people read it, if all have the same
+  std::string of{};       ///< for programs: the name of the total to which a share refers
+  bool foldable = false;  ///< shown once for all rows, in readable tables, if all have the same
+                          ///< value
 };
 
 struct TextRow {
@@ -40,13 +41,13 @@ struct TextRow {
 struct TextTable {
   std::string id;  ///< name of its file and its anchor
   std::string title;
-  std::string note;                 ///< what the figures mean
+  std::string note;                 ///< explanation of the figures
   std::vector<TextColumn> columns;  ///< [columns] headings
   std::vector<TextRow> rows;        ///< [rows] rows without the heading
 };
 
-/// Without the foldable columns in which all rows, of at least two, have the same; `note` then
-/// begins with what they have: "In every row: cells failed 0 of 20; n 8."
+/// Removes the foldable columns in which all rows, of at least two, have the same value. `note`
+/// then begins with these values: "In every row: cells failed 0 of 20; n 8."
 TextTable folded(TextTable table);
 
 /// Every column, however alike its cells are. Shares have a second column, with the whole.

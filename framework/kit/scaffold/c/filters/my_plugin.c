@@ -11,7 +11,7 @@
 
 static const double usual_tolerance_px = 30.0;
 static const double nothing_px = 0.1; /* added to residuals, so that no weight is infinite */
-static const double on_a_line = 1e-9; /* of the spread across the line to that along it */
+static const double on_a_line = 1e-9; /* ratio of the spread across the line to that along it */
 static const char *const slot = "inlier_mask", *const type = "inlier_mask/1";
 
 static int32_t say(weft_error* error, int32_t status, int32_t code, const char* message) {
@@ -74,7 +74,7 @@ static const double* row_of(const weft_array* array, int64_t i) {
   return (const double*)(const void*)((const char*)array->data + i * array->stride[0]);
 }
 
-/* What is judged: the matches that no earlier filter rejected. */
+/* The matches that the filter judges: those that no earlier filter rejected. */
 typedef struct {
   int64_t count;
   int64_t* index;
@@ -125,8 +125,8 @@ static void take(matches* all, const weft_array* from, const weft_array* to,
   }
 }
 
-/* Solves m x = b of 3 equations with 2 right-hand sides by elimination with full pivots, and leaves
- * out what m does not determine. Returns the rank of m. */
+/* Solves m x = b of 3 equations with 2 right-hand sides by elimination with full pivots. Omits the
+ * components that m does not determine. Returns the rank of m. */
 static int solve(double m[3][3], double b[3][2], double x[3][2]) {
   int order[3] = {0, 1, 2}, rank = 0;
   double largest = 0.0;
@@ -215,7 +215,7 @@ static int32_t judge(matches* all, const weft_call* call, int64_t n, double tole
     return say(error, WEFT_ERROR, WEFT_CODE_NO_MEMORY, "the host gives no memory for the mask");
   }
   *mean_px = 0.0;
-  for (int64_t i = 0; i < n; ++i) kept[i] = 0, score[i] = 0.0; /* what alloc gives is not cleared */
+  for (int64_t i = 0; i < n; ++i) kept[i] = 0, score[i] = 0.0; /* alloc does not clear memory */
   for (int64_t k = 0; k < all->count; ++k) {
     kept[all->index[k]] = all->residual[k] <= tolerance_px;
     score[all->index[k]] = 1.0 / (1.0 + all->residual[k]);
@@ -277,5 +277,5 @@ const weft_library_table weft_library = {
     .struct_size = sizeof(weft_library_table),
     .count = 1,
     .components = components,
-    .isa = "", /* what -m options let the compiler assume beyond x86-64, such as "avx2 fma" */
+    .isa = "", /* CPU features beyond x86-64 that -m options enable, such as "avx2 fma" */
     .compiler = "cc " __VERSION__};

@@ -13,9 +13,9 @@ namespace {
 using namespace weft::testing;
 
 constexpr double kTolerance_px = 5.0;
-constexpr double kFitsWithin_px = 2.0;  // of the true map
+constexpr double kFitsWithin_px = 2.0;  // distance from the true map
 
-/// Matches of a flat sheet that faces the camera: its image is an affine map of its texture.
+/// Matches of a flat surface that faces the camera: its image is an affine map of its texture.
 LabelledMatches matches_of_a_flat_sheet(int count) {
   std::cout << "seed 7\n";
   weft::Rng rng(7);

@@ -10,8 +10,8 @@ NOTHING_PX = 0.1  # added to residuals, so that no weight is infinite
 
 
 def affine_fit(start, end, go_on):
-    """How far each match [N] is from where the affine map y = (x, 1) A puts it, px, for the A with the
-    least sum of these distances: by weights 1 / residual, round after round. And the rank of the fit,
+    """Distance of each match [N] from its prediction by the affine map y = (x, 1) A, px. A minimises the
+    sum of these distances, by iterative reweighting with 1 / residual. Also returns the rank of the fit,
     below 3 for matches on a line or in one place."""
     weight = np.ones((len(start), 1))
     for _ in range(ROUNDS):
@@ -33,7 +33,7 @@ class MyPluginFilter(weft.Filter):
 
     def filter(self, given):
         matches = given.correspondences
-        judged = np.flatnonzero(matches.kept)  # what an earlier filter rejected has no say
+        judged = np.flatnonzero(matches.kept)  # matches that an earlier filter rejected do not count
         if len(judged) < FEWEST:
             raise weft.NoResult(f"{len(judged)} matches are left; at least {FEWEST} are needed")
         start = np.column_stack([matches.template_px[judged], np.ones(len(judged))])

@@ -23,9 +23,9 @@ def aligned(start, end):
 
 def rigid_pose(rest_m, ray, rounds, go_on):
     """The rotation and translation with the least sum of squared distances of the points from their rays, by
-    orthogonal iteration: the best translation of a rotation has a closed form, and the next rotation is
-    the one that aligns the points with their nearest places on the rays."""
-    # It begins facing the camera, turned as the picture is.
+    orthogonal iteration. The best translation of a rotation has a closed form. The next rotation aligns
+    the points with their nearest points on the rays."""
+    # The initial pose faces the camera, with the rotation of the image.
     rotation, place_m = aligned(rest_m, ray / ray[:, 2:])
     across = np.eye(3) - ray[:, :, None] * ray[:, None, :]  # takes away what lies along a ray
     inverse = np.linalg.inv(across.sum(axis=0))

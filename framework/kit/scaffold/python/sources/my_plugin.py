@@ -5,14 +5,14 @@ import numpy as np
 import weft
 
 WIDTH_M, HEIGHT_M = 0.297, 0.178
-COLUMNS, ROWS = 24, 14  # of the grid of matches
+COLUMNS, ROWS = 24, 14  # size of the grid of matches
 FRAMES_A_SECOND = 30.0
 FOCAL_PX, CENTRE_PX = 820.0, (319.5, 239.5)
 
 
 def rolled(place_m, curvature_per_m, distance_m):
-    """Points of a sheet that is rolled about an upright axis behind it, as a circular cylinder: [N,3] m,
-    camera frame, of the places [N,2] m of the template. Lengths along the sheet are kept."""
+    """Points of a surface rolled about an upright axis behind it, as a circular cylinder: [N,3] m,
+    camera frame, for the template positions [N,2] m. Lengths along the surface are kept."""
     arc_m = place_m[:, 0] - 0.5 * WIDTH_M
     half_turn_rad = 0.5 * curvature_per_m * arc_m
     # sinc(a / pi) is sin(a) / a, and 1 where nothing is bent.
@@ -49,7 +49,7 @@ class MyPluginSource(weft.Source):
                                    (row.ravel() + 0.5) * HEIGHT_M / ROWS])
         points_m = rolled(place_m, (frame + 1) / self.frames * self.bend_per_m, self.distance_m)
         pixels_px = FOCAL_PX * points_m[:, :2] / points_m[:, 2:] + CENTRE_PX
-        # Of this frame, in whatever order frames are read.
+        # The random numbers belong to this frame, in any order of reading.
         noise_px = self.noise_px * given.call.rng().standard_normal(pixels_px.shape)
         count = len(place_m)
         matches = weft.Record(

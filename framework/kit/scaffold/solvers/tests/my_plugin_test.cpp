@@ -12,7 +12,7 @@ namespace {
 
 using namespace weft::testing;
 
-/// Vertices of the sheet at rest in a pose.
+/// Vertices of the undeformed surface in a pose.
 weft::Points3 placed(const weft::Template& templ, const PoseSpec& pose) {
   const Eigen::Isometry3d camera_from_template = make_pose({}, pose);
   return (templ.vertices_m.matrix<3>() * camera_from_template.linear().transpose()).rowwise() +

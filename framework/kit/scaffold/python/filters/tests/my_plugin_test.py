@@ -10,14 +10,14 @@ TOLERANCE_PX = 5.0
 
 
 def given(template_px, image_px):
-    """What the filter is given of a frame."""
+    """The inputs of the filter for one frame."""
     kept = np.ones(len(template_px), np.uint8)
     matches = weft.Record(template_px=template_px, image_px=image_px, kept=kept)
     return types.SimpleNamespace(correspondences=matches, call=types.SimpleNamespace(go_on=lambda: None))
 
 
 def matches_of_a_flat_sheet(count):
-    """Matches of a flat sheet that faces the camera, whose image is an affine map of its texture; every
+    """Matches of a flat surface that faces the camera, whose image is an affine map of its texture; every
     fifth is moved by more than the tolerance."""
     print("seed 7")
     rng = np.random.default_rng(7)

@@ -7,13 +7,13 @@ import weft
 from my_plugin import MyPluginPass
 
 CAMERA = weft.Record(fx=500.0, fy=500.0, cx=320.0, cy=240.0, width=640, height=480)
-# Two faces, of which the second is the larger one.
+# Two faces; the second is the larger one.
 TEMPLATE = weft.Record(vertices_m=np.array([[0.0, 0, 0], [1, 0, 0], [0, 0.5, 0], [2, 1, 0]]),
                        faces=np.array([[0, 2, 1], [1, 2, 3]], np.int32))
 
 
 def given(face, image_px):
-    """What the pass is given of a frame, with matches in the middle of these faces."""
+    """The inputs of the pass for one frame, with matches in the middle of these faces."""
     count = len(face)
     matches = weft.Record(image_px=np.array(image_px, float), face=np.array(face, np.int32),
                           barycentrics=np.full((count, 3), 1 / 3), kept=np.ones(count, np.uint8))

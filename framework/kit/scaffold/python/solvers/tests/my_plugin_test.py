@@ -10,7 +10,7 @@ CAMERA = weft.Record(fx=500.0, fy=500.0, cx=320.0, cy=240.0, width=640, height=4
 
 
 def sheet():
-    """A flat sheet of 5 x 4 vertices and its faces."""
+    """A flat surface of 5 x 4 vertices and its faces."""
     x, y = np.meshgrid(np.linspace(0, 0.2, 5), np.linspace(0, 0.15, 4))
     corner = (np.arange(3)[:, None] * 5 + np.arange(4)).ravel()
     faces = np.concatenate([np.stack([corner, corner + 5, corner + 6], axis=1),
@@ -20,7 +20,7 @@ def sheet():
 
 
 def placed(template):
-    """The sheet, turned about two axes and before the camera."""
+    """The surface, turned about two axes and in front of the camera."""
     a, b = 0.4, 0.3
     about_y = np.array([[np.cos(a), 0, np.sin(a)], [0, 1, 0], [-np.sin(a), 0, np.cos(a)]])
     about_z = np.array([[np.cos(b), -np.sin(b), 0], [np.sin(b), np.cos(b), 0], [0, 0, 1]])
@@ -28,7 +28,7 @@ def placed(template):
 
 
 def given(template, vertices_m, used):
-    """What the solver is given of a frame in which these vertices are seen."""
+    """The inputs of the solver for a frame with these vertices visible."""
     count = len(used)
     ray = vertices_m[used] / np.linalg.norm(vertices_m[used], axis=1, keepdims=True)
     pixel_px = vertices_m[used, :2] / vertices_m[used, 2:] * 500.0 + [320.0, 240.0]
