@@ -11,9 +11,9 @@
 namespace weft::mask {
 namespace {
 
-constexpr int kColours = 5;                 // of a mixture of cv::grabCut
+constexpr int kColours = 5;                 // in a mixture of cv::grabCut
 constexpr double kResolution = 6.0;         // grey levels within which colours are alike
-constexpr std::uint64_t kState = 20240917;  // of OpenCV's generator, from which its clusters start
+constexpr std::uint64_t kState = 20240917;  // start of OpenCV's generator
 constexpr int kEdgeReach = 2;               // reduced px from an outline to its edge
 constexpr int kWithoutEdge = 4;             // reduced px around an outline without one
 constexpr int kGuideReach = 5;              // px
@@ -89,6 +89,25 @@ double overlap_of(const Mixture& object, const Mixture& background, const cv::Ma
   return 0.5 * (sum[0] / std::max(count[0], 1.0) + sum[1] / std::max(count[1], 1.0));
 }
 
+/// Seeds that are likelier in the other mixture, in groups of four at least.
+cv::Mat seeds_alike(const Mixture& object, const Mixture& background, const cv::Mat& bgr,
+                    const cv::Mat& seeds) {
+  cv::Mat found(seeds.size(), CV_8U, cv::Scalar(0));
+  for (int y = 0; y < bgr.rows; ++y) {
+    ask_to_go_on();
+    for (int x = 0; x < bgr.cols; ++x) {
+      const std::uint8_t seed = seeds.at<std::uint8_t>(y, x);
+      if (seed != cv::GC_BGD && seed != cv::GC_FGD) continue;
+      const cv::Vec3b& pixel = bgr.at<cv::Vec3b>(y, x);
+      const Eigen::Vector3d at(pixel[0], pixel[1], pixel[2]);
+      const bool looks_like_object = object.density(at) > background.density(at);
+      if (looks_like_object != (seed == cv::GC_FGD)) found.at<std::uint8_t>(y, x) = 255;
+    }
+  }
+  cv::morphologyEx(found, found, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {2, 2}));
+  return found;
+}
+
 }  // namespace
 
 Cut cut_out(const cv::Mat& bgr, const Seeds& seeds, int iterations) {
@@ -101,8 +120,32 @@ Cut cut_out(const cv::Mat& bgr, const Seeds& seeds, int iterations) {
   }
   Cut cut;
   cut.object = (labels & 1) * 255;  // GC_FGD and GC_PR_FGD are odd
-  cut.overlap = overlap_of(Mixture(object), Mixture(background), bgr, labels);
+  const Mixture of_object(object), of_background(background);
+  cut.overlap = overlap_of(of_object, of_background, bgr, labels);
+  cut.alike = seeds_alike(of_object, of_background, bgr, seeds.labels);
   return cut;
+}
+
+cv::Mat near_marked(const cv::Mat& marked, double reach) {
+  cv::Mat away;
+  cv::distanceTransform(255 - marked, away, cv::DIST_L2, 3);
+  return away <= reach;
+}
+
+cv::Mat smooth_out(int radius, cv::Mat& object) {
+  const cv::Mat disc =
+      cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius + 1, 2 * radius + 1});
+  cv::Mat smooth, rough;
+  cv::morphologyEx(object, smooth, cv::MORPH_OPEN, disc);
+  cv::morphologyEx(smooth, smooth, cv::MORPH_CLOSE, disc);
+  rough = smooth ^ object;
+  // Differences of one pixel are due to the grid.
+  cv::morphologyEx(rough, rough, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_RECT, {2, 2}));
+  cv::dilate(
+      rough, rough,
+      cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * kWithoutEdge + 1, 2 * kWithoutEdge + 1}));
+  object = smooth;
+  return rough;
 }
 
 cv::Mat without_edge(const cv::Mat& object, const cv::Mat& grey, double least_edge, double& share) {

@@ -17,7 +17,8 @@
 namespace weft::mask {
 namespace {
 
-constexpr int kLeastSide_px = 24;  // of a reduced crop
+constexpr double kLeakReach_px = 10.0;  // beyond the band, in which a cut may leak
+constexpr int kLeastSide_px = 24;       // smallest reduced crop
 
 std::string percent(double share) { return std::to_string(std::lround(100.0 * share)) + " %"; }
 
@@ -58,6 +59,9 @@ class Mask final : public Pass {
     p.read("agreement", seeds_.agreement, "grey levels", {1.0, 255.0},
            "maximum difference between image and rendered template where the object is visible");
     p.read("iterations", iterations_, "", {1, 20}, "number of cuts, with colours learned anew");
+    p.read("smoothing_px", smoothing_px_, "px", {0.0, 200.0},
+           "radius of the disc that rolls along both sides of the outline; what it does not touch "
+           "is unknown");
     p.read("max_overlap", most_overlap_, "", {0.0, 1.0},
            "Bhattacharyya coefficient of the colours of object and background above which there "
            "is no mask");
@@ -132,11 +136,15 @@ class Mask final : public Pass {
       return no_result(object < background ? "no inner part of the object is visible"
                                            : "no background is visible around the object");
     }
-    const Cut made = cut_out(bgr, seeds, iterations_);
+    Cut made = cut_out(bgr, seeds, iterations_);
     if (made.overlap > most_overlap_) {
       return no_result("object and background have the same colours: overlap " +
                        percent(made.overlap));
     }
+    const int radius = std::max(1, static_cast<int>(std::lround(smoothing_px_ * crop.scale)));
+    const cv::Mat rough = smooth_out(radius, made.object);
+    const double reach = (seeds_.band_px + kLeakReach_px) * crop.scale;
+    const cv::Mat alike = near_marked(made.alike, reach);
     double edge_share = 0.0;
     const cv::Mat vague = without_edge(made.object, grey, least_edge_, edge_share);
     if (edge_share < kLeastEdgeShare) {
@@ -144,7 +152,7 @@ class Mask final : public Pass {
     }
     PassOutput out;
     ObjectMask& mask = out.object_mask.emplace(empty_mask(pixels.dim(0), pixels.dim(1)));
-    fill(crop, certainty(made.object, full_grey), seeds.occluded | vague, mask);
+    fill(crop, certainty(made.object, full_grey), seeds.occluded | vague | rough | alike, mask);
     mask.diag.set("overlap", made.overlap);
     mask.diag.set("edge_share", edge_share);
     mask.diag.set("agreement", seeds.agreement);
@@ -173,6 +181,7 @@ class Mask final : public Pass {
   double margin_ = 0.15;
   SeedOptions seeds_;
   int iterations_ = 2;
+  double smoothing_px_ = 12.0;
   double most_overlap_ = 0.8;
   double least_edge_ = 4.0;
 };

@@ -22,8 +22,8 @@ struct Prediction {
 /// The vertices of a shape, projected; nothing if one is not in front of the camera.
 std::optional<Prediction> from_shape(const Shape& shape, const Camera& camera);
 
-/// The vertices by the affine map from texture to image that fits the kept matches best, by least
-/// sums of distances; nothing for fewer than ten of them or for matches on a line.
+/// The vertices by the affine map from texture to image with the least sum of distances to the kept
+/// matches. Nothing for fewer than ten of them or for matches on a line.
 std::optional<Prediction> from_matches(const Correspondences& matches, const Template& templ);
 
 /// A part of the image, reduced in size.
@@ -47,7 +47,7 @@ struct Crop {
 /// they do not meet.
 cv::Rect box_around(const Prediction& prediction, double margin, int width_px, int height_px);
 
-/// The mesh drawn into a crop.
+/// The mesh rendered into a crop.
 struct Rendering {
   cv::Mat inside;      ///< u8, 255 where the mesh is
   cv::Mat texture_px;  ///< f32 x 2, px of the texture there

@@ -16,8 +16,8 @@ namespace weft::mask {
 namespace {
 
 constexpr double kFirstLookBand = 3.0;      // times the band
-constexpr double kLeastOccluder = 0.003;    // of the object's pixels
-constexpr double kOccluderMargin_px = 8.0;  // of the image
+constexpr double kLeastOccluder = 0.003;    // share of the object's pixels
+constexpr double kOccluderMargin_px = 8.0;  // in the image
 constexpr int kEveryNth = 3;                // pixel in the fit of the gain
 constexpr int kFitRounds = 4;
 constexpr double kUsualDeviations = 3.0;

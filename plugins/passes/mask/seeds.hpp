@@ -14,10 +14,10 @@ struct SeedOptions {
   double agreement = 25.0;  ///< [] grey levels by which the rendered template may differ
 };
 
-/// What is known of the pixels of a reduced crop before the cut.
+/// Knowledge about the pixels of a reduced crop before the cut.
 struct Seeds {
   cv::Mat labels;          ///< u8, cv::GC_BGD, GC_PR_BGD, GC_PR_FGD or GC_FGD
-  cv::Mat occluded;        ///< u8, 255 where something stands before the object, or near that
+  cv::Mat occluded;        ///< u8, 255 where an occluder is, or near it
   double agreement = 1.0;  ///< [] share of the inner pixels that show the texture
 };
 

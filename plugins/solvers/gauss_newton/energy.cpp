@@ -17,7 +17,7 @@ namespace {
 constexpr double kMostTurn = 1.0;  // rad, along an arc: the formulas are for smaller ones
 constexpr double kTooClose_m = 1e-9;
 constexpr std::size_t kEnoughObservations = 30;  // with fewer the outline has its full weight
-constexpr double kMostTrace = 0.5;               // of the outline's matrix to that of the matches
+constexpr double kMostTrace = 0.5;  // ratio of the outline's trace to that of the matches
 
 double squared_turn(const Arc& arc, double per_m) {
   const double turn = std::clamp(per_m * arc.rest_m, -kMostTurn, kMostTurn);

@@ -98,7 +98,7 @@ struct Scales {
   double bend_rad = 0.7;  ///< [] rad, of a square of the mesh that bends, whatever its size; 0: any
   double known_m = 1e-5;  ///< [] m, of a known point beyond its radius
   double previous_m = 0.0;  ///< [] m, of a vertex from where it was; 0: any
-  OutlineScales outline;    ///< of the rim from the outline of the mask
+  OutlineScales outline;    ///< distance of the rim from the outline of the mask
 };
 
 /// The prior of a shape.
@@ -144,7 +144,8 @@ class Energy {
                         BlockMatrix& matrix);
 
   /// Finds which points of the rim of a shape [V,3] and of the mask's outline meet. With 30
-  /// observations or more, the trace of the outline's matrix is at most half that of theirs.
+  /// observations or more, the trace of the outline's matrix is at most half the trace of their
+  /// matrix.
   void meet_outline(const FrameData& frame, const Scales& scales, const Points3& vertices_m);
 
   /// Adds the Gauss-Newton matrix of the outline alone, as it was met last.

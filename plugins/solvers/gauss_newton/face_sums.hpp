@@ -10,9 +10,10 @@ namespace weft::gauss_newton {
 
 /// Sums over the observations of a face.
 struct FaceSums {
-  /// Of J^T J: xx, xy, yy, xz, yz and zz for the products of weights 00, 11, 22, 01, 12, 20.
+  /// Elements of J^T J: xx, xy, yy, xz, yz and zz for the products of weights 00, 11, 22, 01,
+  /// 12, 20.
   double squares[6][6] = {};
-  double slopes[3][3] = {};  ///< of J^T r for each weight
+  double slopes[3][3] = {};  ///< elements of J^T r for each weight
 
   /// The point is seen at (px, py) where f = 1; `j` is d(whitened residual)/d(px, py), lower.
   void add(const double* b, double inverse_z, double px, double py, const Whitening& j,

@@ -25,7 +25,7 @@ Result<void> check_match_count(const SolverInput& in) {
                    std::to_string(kFewestMatches));
 }
 
-/// Where the record says so, and not because the camera sees nothing that was matched there.
+/// Vertices that something hides or that are outside of the image. Unconfirmed ones may be visible.
 std::vector<std::uint8_t> covered_vertices(const Visibility& visibility) {
   std::vector<std::uint8_t> covered(to_index(visibility.visible.rows()));
   for (std::int64_t v = 0; v < visibility.visible.rows(); ++v) {

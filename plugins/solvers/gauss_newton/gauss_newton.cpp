@@ -18,6 +18,7 @@
 #include "fit.hpp"
 #include "frame.hpp"
 #include "frontal_guess.hpp"
+#include "outline/outline_pose.hpp"
 #include "outline/outline_start.hpp"
 #include "search.hpp"
 
@@ -30,7 +31,7 @@ using solvers::Guess;
 constexpr double kLostResidualPx = 6.0;
 // Below this number, matches do not always determine to which side a surface bends.
 constexpr std::size_t kFewObservations = 150;
-// So many neighbouring points of an outline err together.
+// Number of neighbouring points of an outline with the same error.
 constexpr double kOutlineCoherence = 8.0;
 
 /// Robust nonlinear least squares on the vertices: matches against lengths along the surface.
@@ -381,6 +382,10 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
 }  // namespace weft::gauss_newton
 
 using weft::gauss_newton::GaussNewton;
-WEFT_PLUGIN(
-    GaussNewton, "solvers/gauss_newton", "1.1.0",
-    "Fits a shape to matches by robust least squares that preserves lengths on the surface.")
+using weft::gauss_newton::OutlinePose;
+WEFT_LIBRARY(
+    WEFT_COMPONENT(
+        GaussNewton, "solvers/gauss_newton", "1.1.0",
+        "Fits a shape to matches by robust least squares that preserves lengths on the surface."),
+    WEFT_COMPONENT(OutlinePose, "solvers/outline_pose", "1.0.0",
+                   "Lays the template at rest into the mask of the object, as an initial guess."))

@@ -87,6 +87,11 @@ void ShapeSearch::run(const Frame& frame, Candidate& candidate) {
   expect_bends(frame, vertices_m);
   settle(stage);
   if (!frame.hidden.empty()) expect_bends(frame, vertices_m);
+  if (frame.data.outline.present() && scales.outline.share > 0.0) {
+    Scales between = stage;
+    between.outline.reach_px = std::sqrt(scales.outline.reach_px * scales.outline.outlier_px);
+    settle(between);
+  }
   stage = final_scales();
   candidate.result = minimiser_.run(frame.data, expected_, stage, options, vertices_m);
   bring_into_spheres(frame.data.spheres, vertices_m);

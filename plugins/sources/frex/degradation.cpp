@@ -17,7 +17,7 @@
 namespace weft::frex {
 namespace {
 
-constexpr std::int32_t kHandMesh = 2;  // of the hand, which is none, in View::hits
+constexpr std::int32_t kHandMesh = 2;  // stands for the hand in View::hits
 
 using scene::Colour;
 

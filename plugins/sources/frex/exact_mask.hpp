@@ -7,7 +7,7 @@
 
 namespace weft::frex {
 
-/// The exact mask of a rendered sheet: the foreground is the share of each pixel that shows it.
+/// The exact mask of a rendered surface: the foreground is the share of each pixel that shows it.
 /// Pixels of an occluder, and those less than three pixels from one, are unknown.
 ObjectMask exact_mask(const scene::View& view);
 

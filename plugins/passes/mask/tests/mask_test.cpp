@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::uint64_t kSeed = 20241130;
 
-/// A tilted flat sheet with a printed pattern before a table. Every pixel's truth is known.
+/// A tilted flat surface with a printed pattern before a table. Every pixel's truth is known.
 class Tabletop {
  public:
   explicit Tabletop(double table_grey = 90.0) : table_grey_(table_grey) {
@@ -116,7 +116,7 @@ class Tabletop {
   Shape shape;
   Correspondences matches;
   Image image;
-  Array<std::uint8_t> truth;  ///< [H,W] share of the sheet, 0 to 255
+  Array<std::uint8_t> truth;  ///< [H,W] share of the surface, 0 to 255
 
  private:
   /// Blobs of ink on pale paper.

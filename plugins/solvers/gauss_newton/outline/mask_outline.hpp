@@ -27,8 +27,8 @@ class MaskOutline {
   double width_px() const { return static_cast<double>(width_); }
   double height_px() const { return static_cast<double>(height_); }
 
-  /// Points of the outline 8 px apart, or more in large images. Parts next to unknown pixels and on
-  /// the border of the image are omitted.
+  /// Points of the outline at distances of 8 px, or more in large images. Parts next to unknown
+  /// pixels and on the border of the image are omitted.
   const std::vector<ContourPoint>& contour() const { return contour_; }
 
   enum class Found { crossing, none, unknown };
@@ -54,7 +54,7 @@ class MaskOutline {
   const std::uint8_t* foreground_ = nullptr;
   const std::uint8_t* known_ = nullptr;
   std::int64_t width_ = 0, height_ = 0, step_px_ = 0;
-  std::vector<std::uint8_t> copy_;  ///< of a mask with another order in memory
+  std::vector<std::uint8_t> copy_;  ///< a mask with another order in memory
   std::vector<ContourPoint> contour_;
 };
 

@@ -11,8 +11,8 @@
 namespace weft::gauss_newton {
 
 /// The mesh at rest, [V,3] m in the camera frame, frontal, where area, centroid and main axis of
-/// its projection are those of the foreground. A mask does not tell a shape from the same one
-/// turned by half a turn: the one that is turned less is taken. Nothing for an empty mask.
+/// its projection are those of the foreground. A mask does not distinguish two poses that differ by
+/// half a turn: this is the one with less rotation. Nothing for an empty mask.
 std::optional<Points3> outline_start(const ObjectMask& mask, const Pinhole& camera,
                                      const MeshModel& mesh);
 

@@ -16,13 +16,13 @@ namespace weft::gauss_newton {
 
 /// How the outline of a mask counts.
 struct OutlineScales {
-  double noise_px = 1.5;     ///< [] px, standard deviation of the outline across itself
-  double outlier_px = 10.0;  ///< [] px, distance from which on a point has no influence
-  double reach_px = 20.0;    ///< [] px, distance at which points are found at first
-  double share = 1.0;        ///< [] of the weight; 0: the outline does not count
+  double noise_px = 1.5;    ///< [] px, standard deviation of the outline across itself
+  double outlier_px = 4.0;  ///< [] px, distance from which on a point has no influence
+  double reach_px = 40.0;   ///< [] px, distance at which points are found at first
+  double share = 1.0;       ///< [] of the weight; 0: the outline does not count
 };
 
-/// What an outline point r standard deviations off adds to the energy (Tukey): r^2 where r is
+/// Contribution to the energy of an outline point r standard deviations off (Tukey): r^2 where r is
 /// small, and c^2 / 3 from r = c on.
 struct TukeyLoss {
   double limit = 1.0;  ///< [] c, standard deviations
@@ -88,7 +88,7 @@ class OutlineTerm {
   void meet_contour(const MaskOutline& outline, double reach_px, const std::vector<RimPoint>& rim);
 
   RimFinder rim_;
-  std::vector<Eigen::Vector2d> rim_px_;  ///< of the rim points, on the surface
+  std::vector<Eigen::Vector2d> rim_px_;  ///< places of the rim points, on the surface
   std::vector<OutlinePoint> points_;
   TukeyLoss loss_;
   double missed_ = 0.0;  ///< sum of the weights of points that meet nothing

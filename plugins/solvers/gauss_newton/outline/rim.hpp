@@ -20,16 +20,17 @@ struct RimPoint {
   Eigen::Vector2d outwards;         ///< unit normal of the edge, away from the surface
 };
 
-/// Finds the rim of a shape: border edges of the mesh, and edges between a face that shows its
-/// front and one that shows its back, where nothing of the mesh is beyond them in the image.
+/// Finds the rim of a shape. It consists of border edges of the mesh and of edges between a face
+/// that shows its front and one that shows its back. No part of the mesh is beyond them in the
+/// image.
 class RimFinder {
  public:
   /// Structure for a mesh, which must outlive it.
   void prepare(const MeshModel& mesh);
 
-  /// The rim of a shape [V,3] in an image of this size, in points 4 px apart, or more in large
-  /// images. `covered` [V] is 1 for vertices that something hides; edges between them are omitted.
-  /// It may be empty. Empty if a vertex is not in front of the camera.
+  /// The rim of a shape [V,3] in an image of this size, in points at distances of 4 px, or
+  /// more in large images. `covered` [V] is 1 for vertices that something hides; edges between them
+  /// are omitted. It may be empty. Empty if a vertex is not in front of the camera.
   const std::vector<RimPoint>& find(const Pinhole& camera, double width_px, double height_px,
                                     const Points3& vertices_m,
                                     const std::vector<std::uint8_t>& covered);

@@ -37,7 +37,7 @@ inline ObjectMask disc_mask(const Camera& camera, double x_px, double y_px, doub
       camera, [=](double x, double y) { return std::hypot(x - x_px, y - y_px) <= radius_px; });
 }
 
-/// The exact mask of a smooth sheet whose front is seen everywhere, by the polygon of its border.
+/// The exact mask of a smooth surface whose front is seen everywhere, by the polygon of its border.
 inline ObjectMask sheet_mask(const Camera& camera, const testing::SheetSpec& spec,
                              const DevelopableSheet& sheet) {
   constexpr int kPoints = 60;
