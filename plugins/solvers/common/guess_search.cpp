@@ -11,8 +11,8 @@ namespace {
 
 // An object that moved by more than this share of its size in the image has jumped.
 constexpr double kJump = 0.25;
-// Behind a cut a surface may have bent while it stayed in its place, so only a shape that is nearer
-// than this share of the object's size was followed from the frame before.
+// A shape was followed from the previous frame only if it is nearer than this share of the object's
+// size. After a cut, a surface may have bent without a jump.
 constexpr double kNear = 0.03;
 
 bool is_usable(const OptionalInput<Shape>& previous, Eigen::Index vertex_count) {

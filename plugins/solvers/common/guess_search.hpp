@@ -30,7 +30,7 @@ class GuessTrial {
   /// shape within 3 % of the object's size of the measurements.
   virtual Result<void> run(Guess guess, const Points3& from_m, bool followed) = 0;
 
-  /// Whether the candidates so far leave a doubt that the next guess may resolve. `tracked`: the
+  /// True if the candidates so far leave a doubt that the next guess may resolve. `tracked`: the
   /// object has a valid previous shape and has not jumped.
   virtual bool needs(Guess next, bool tracked) const = 0;
 
@@ -44,10 +44,10 @@ class GuessTrial {
   ~GuessTrial() = default;
 };
 
-/// The initial guesses of a solver that tracks an object: the previous shape; if that is lost, has
-/// jumped or led to a doubtful shape, also its mirror image in depth, the result of a nested solver
-/// (smoothed, then as it is), and the template at rest. A template that is curved at rest is tried
-/// before the nested solver and always: the nested solvers expect a flat one.
+/// The initial guesses of a solver that tracks an object. The previous shape comes first. If it is
+/// lost, has jumped or led to a doubtful shape, the search also tries its mirror image in depth,
+/// the result of a nested solver (smoothed, then as it is) and the template at rest. A template
+/// that is curved at rest is always tried before the nested solver, which expects a flat one.
 class GuessSearch {
  public:
   SolverComponent solver{"solvers/brunet_mdh"};

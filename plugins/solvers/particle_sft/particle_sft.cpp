@@ -251,7 +251,7 @@ class ParticleSft final : public Solver, private solvers::GuessTrial {
   FrameConstraints frame_;
   Relaxation relaxation_;
   ShapeCovariance covariance_;
-  const SolverInput* in_ = nullptr;  ///< of the frame being solved
+  const SolverInput* in_ = nullptr;  ///< input of the frame being solved
   std::vector<Candidate> candidates_;
 };
 

@@ -11,8 +11,8 @@
 
 namespace weft::solvers {
 
-/// camera_from_template in m: the rigid pose of the mesh at rest [V,3] m with the least squared
-/// errors in the image over all points, from an initial pose by SQPnP (Terzakis and Lourakis, ECCV
+/// camera_from_template in m, the rigid pose of the mesh at rest [V,3] m with the least squared
+/// errors in the image over all points. SQPnP gives the initial pose (Terzakis and Lourakis, ECCV
 /// 2020). Empty if the points do not determine it.
 std::optional<Eigen::Isometry3d> rigid_pose(std::span<const SeenPoint> points, const Camera& camera,
                                             const Points3View& rest_m);
