@@ -127,7 +127,7 @@ Error GrowingFolder::ending() const {
     return {Errc::invalid_data,
             files + ": no new file for 'wait_s' but " + std::to_string(late_) +
                 " that sort before " + last_ +
-                ", which was read already: give files names in the order in which they come",
+                ", which was read already: give files names in the order in which they arrive",
             {}};
   }
   if (!last_.empty()) return no_more_frames(files + ": no new file for 'wait_s'");

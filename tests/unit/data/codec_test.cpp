@@ -375,7 +375,7 @@ TEST(Catalogue, TypesAreVersionedAndNamesAreUnique) {
       EXPECT_STRNE(field.meaning, "") << type << " " << field.name;
     });
   });
-  EXPECT_EQ(types.size(), 21U);
+  EXPECT_EQ(types.size(), 22U);
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ TEST_F(WiringRefusals, RefusesAMergerThatIsGivenOnlyTheLatest) {
               ElementsAre("5:5: matchers/test.merge unites several 'correspondences', but there is "
                           "none; leave it out"));
   EXPECT_THAT(refusals(matcher + "  - {use: matchers/test.merge}\n"),
-              ElementsAre(HasSubstr("but there is one;  leave it out")));
+              ElementsAre(HasSubstr("but there is one; leave it out")));
   EXPECT_THAT(refusals(matcher + matcher + "  - {use: matchers/test.merge}\n"),
               ElementsAre("7:5: matchers/test.merge unites several 'correspondences', and without "
                           "'from' it is given the latest only; choose from: {correspondences: "

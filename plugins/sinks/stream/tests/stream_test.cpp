@@ -86,7 +86,7 @@ TEST_F(StreamSink, WritesAllFramesToAPipeAndReportsABrokenPipe) {
   // The signal that a write into it makes would end this test.
   const PluginAnswer alone = write(sink, 1);
   EXPECT_EQ(alone.status, WEFT_ERROR);
-  EXPECT_THAT(alone.message, HasSubstr("no component reads " + path("pipe") + " any more"));
+  EXPECT_THAT(alone.message, HasSubstr("no process reads " + path("pipe") + " any more"));
   // A reader that comes back would begin in the middle of a message.
   const int late = ::open(path("pipe").c_str(), O_RDONLY | O_NONBLOCK);
   EXPECT_EQ(write(sink, 2).status, WEFT_ERROR);

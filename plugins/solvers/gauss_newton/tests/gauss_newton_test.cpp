@@ -269,7 +269,8 @@ TEST(GaussNewton, AnObjectThatIsCurvedAtRestAlsoBeginsFromItsPosedRestShape) {
       testing::make_cylinder(reference_sheet(), posed.radius_m, 0.3, {0, 0, 0, 0, 0, 0})));
   // The nested guess is the rest shape without its tilt, from which the solver ends elsewhere or at
   // a higher energy.
-  PluginUnderTest plugin(kId, "{initial_guess: {use: solvers/initial_guess, shape: frontal}}");
+  PluginUnderTest plugin(kId,
+                         "{initial_guess: {use: solvers/initial_guess, params: {shape: frontal}}}");
   const Shape shape = given(matched.run(plugin));
   EXPECT_EQ(shape.diag.value("start", -1.0), 4.0);
   EXPECT_GE(shape.diag.value("starts_tried", 0.0), 2.0);

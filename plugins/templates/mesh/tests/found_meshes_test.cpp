@@ -248,7 +248,7 @@ TEST_F(FoundMeshes, HaveOnePicture) {
   library("a.png", "b.png");
   EXPECT_THAT(refusal("m.obj", square),
               AllOf(HasSubstr("'front' (a.png, 1 faces), 'back' (b.png, 1 faces)"),
-                    HasSubstr("with 2 pictures"), HasSubstr("bake them into one")));
+                    HasSubstr("with 2 images"), HasSubstr("bake them into one")));
   EXPECT_THAT(
       refusal("m.ply",
               "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
