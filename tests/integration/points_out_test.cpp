@@ -77,7 +77,7 @@ TEST_F(PointsOut, OnABrokenPipeAreAnErrorOfTheirSinkAndTheRunContinues) {
   EXPECT_EQ(read_lines(path("code")), std::vector<std::string>{"1"});
   EXPECT_EQ(read_lines(path("printed.out")).size(), 1U);
   EXPECT_THAT(ended.err,
-              HasSubstr("no component reads /dev/stdout any more: keep its reader running"));
+              HasSubstr("no process reads /dev/stdout any more: keep its reader running"));
   EXPECT_EQ(read_lines(path("run/frames.jsonl")).size(), 400U);
 }
 
