@@ -35,7 +35,7 @@ TEST(RunReport, SaysHowFarOffARunIsAndWhereAndWhy) {
   const RunData data = read(run);
   EXPECT_THAT(
       sentences_of(data),
-      ElementsAre("7 of 8 frames have an estimated shape; 1 has none.",
+      ElementsAre("7 of 8 frames were reconstructed; 1 has no shape.",
                   "The mean 3D error is 3 mm over 7 frames with truth; the worst, frame 6, is "
                   "off by 6 mm. 1 of 8 frames with truth failed.",
                   "The stages of a frame take 6 ms (median), 5 of them solvers.",
@@ -89,7 +89,7 @@ TEST(RunReport, WritesAPageAndTables) {
   EXPECT_THAT(page, Not(HasSubstr("http")));
   EXPECT_THAT(run.read_text("report/frames.csv"), HasSubstr("\n6,estimated,6,6,0.9,,,6,\n"));
   EXPECT_THAT(run.read_text("report/stages.csv"), HasSubstr("\nfilters,1,1,1,8\n"));
-  EXPECT_THAT(run.read_text("report/tables.md"), HasSubstr("- 7 of 8 frames have a shape"));
+  EXPECT_THAT(run.read_text("report/tables.md"), HasSubstr("- 7 of 8 frames were reconstructed"));
 }
 
 TEST(RunReport, ShowsTheWorstTheMedianAndTheBestFrameAgainstTheFlatPrint) {

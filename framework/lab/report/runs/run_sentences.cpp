@@ -14,13 +14,13 @@ namespace {
 std::string shapes_text(const RunData& run) {
   const FrameCounts& counts = run.metrics.counts;
   std::string text =
-      fmt::format("{} of {} frames have an estimated shape", counts.solved(), counts.frames);
+      fmt::format("{} of {} frames were reconstructed", counts.solved(), counts.frames);
   if (counts.weak > 0) text += fmt::format(", {} of them weak", counts.weak);
   std::string others;
   for (const auto& [count, what] :
-       {std::pair{counts.predicted, "the predicted one"},
-        std::pair{counts.lost, "an old one, lost"}, std::pair{counts.none, "none"},
-        std::pair{counts.invalid, "one that is not finite"}}) {
+       {std::pair{counts.predicted, "a predicted shape"},
+        std::pair{counts.lost, "an old shape (lost)"}, std::pair{counts.none, "no shape"},
+        std::pair{counts.invalid, "a shape that is not finite"}}) {
     if (count == 0) continue;
     others += fmt::format("{}{} {} {}", others.empty() ? "" : ", ", count,
                           count == 1 ? "has" : "have", what);
