@@ -181,6 +181,7 @@ def main(arguments: list[str]) -> int:
     if len(arguments) < 2 or not set(wanted) <= set(FIGURES):
         print(__doc__, file=sys.stderr)
         return 2
+    Path(arguments[1]).mkdir(parents=True, exist_ok=True)
     for figure in wanted:
         draw, dump = FIGURES[figure]
         with tempfile.TemporaryDirectory() as folder:
