@@ -193,11 +193,15 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
     if (gauge_.is_behind(mesh_, frame_.data, from_m)) candidate.vertices_m *= -1.0;
     search_.run(frame_, candidate);
     candidate.fit = gauge_.measure(mesh_, frame_.data, search_.energy(), candidate.vertices_m);
-    const bool better =
-        candidate.usable() &&
-        (best_ < 0 || candidate.result.energy < candidates_[to_index(best_)].result.energy);
-    if (better) best_ = static_cast<int>(tried_);
+    if (candidate.usable()) keep_if_better(candidate);
     ++tried_;
+  }
+
+  /// `candidate` is the one at index tried_.
+  void keep_if_better(const Candidate& candidate) {
+    if (best_ < 0 || candidate.result.energy < candidates_[to_index(best_)].result.energy) {
+      best_ = static_cast<int>(tried_);
+    }
   }
 
   /// From the previous shape, else from the template placed in the mask. Then from the result, bent
@@ -224,15 +228,13 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
 
   void fit_outline(Guess guess, const Points3& from_m) {
     constexpr double kMostMissed = 0.5;
-    Candidate& candidate = candidates_[tried_++];
+    Candidate& candidate = candidates_[tried_];
     candidate.guess = guess;
     candidate.vertices_m = from_m;
     search_.run(frame_, candidate);
     candidate.fit = measured_outline(candidate.vertices_m);
-    const bool better =
-        candidate.usable() && candidate.fit.far_share <= kMostMissed &&
-        (best_ < 0 || candidate.result.energy < candidates_[to_index(best_)].result.energy);
-    if (better) best_ = static_cast<int>(tried_) - 1;
+    if (candidate.usable() && candidate.fit.far_share <= kMostMissed) keep_if_better(candidate);
+    ++tried_;
   }
 
   Fit measured_outline(const Points3& vertices_m) {

@@ -8,7 +8,11 @@
 namespace weft::gauss_newton {
 
 Result<Shape> OutlinePose::solve(const SolverInput& in) {
-  if (auto built = mesh_.build(in.templ, 0.0); !built) return built.error();
+  if (mesh_revision_ == 0 || in.templ.revision != mesh_revision_) {
+    mesh_revision_ = 0;
+    if (auto built = mesh_.build(in.templ, 0.0); !built) return built.error();
+    mesh_revision_ = in.templ.revision;
+  }
   const Pinhole camera{in.camera.fx, in.camera.fy, in.camera.cx, in.camera.cy};
   const auto placed_m = outline_start(*in.object_mask, camera, mesh_);
   if (!placed_m) return no_result("the mask shows no object");

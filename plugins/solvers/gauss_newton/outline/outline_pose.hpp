@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <weft/sdk/solver.hpp>
 
 #include "gauss_newton/mesh/mesh_model.hpp"
@@ -18,6 +19,7 @@ class OutlinePose final : public Solver {
 
  private:
   MeshModel mesh_;
+  std::uint64_t mesh_revision_ = 0;
 };
 
 }  // namespace weft::gauss_newton
