@@ -24,7 +24,8 @@ struct Shape {
   Array<std::uint8_t> source;   ///< [V] 1 measured, 0 filled in by the prior
   Array<double> covariance_m2;  ///< [V,3,3] m^2, camera frame
   Diagnostics diag;
-  Others others = {};  ///< further arrays of the record
+  Array<double> nodes_m = {};  ///< [K,3] m, camera frame, nodes of the template's tetrahedra
+  Others others = {};          ///< further arrays of the record
 
   ShapeState shape_state() const { return static_cast<ShapeState>(state); }
 
@@ -39,6 +40,8 @@ struct Shape {
     visit(self.source, Field{"source", "V", "0 or 1", "1 measured, 0 filled in by the prior"});
     visit(self.covariance_m2,
           Field{"covariance_m2", "V,3,3", "m^2, camera", "of each vertex", true});
+    visit(self.nodes_m,
+          Field{"nodes_m", "K,3", "m, camera", "nodes of the template's tetrahedra", true});
     visit(self.diag, Field{"diag.*", "*", "", "evidence", true});
   }
 };
