@@ -24,7 +24,7 @@ class ChartBuilder {
     for (int j = 0; j < rows; ++j) {
       for (int i = 0; i < columns; ++i) {
         places_m_.push_back(place(i, j));
-        flat_px_.push_back({left_px + kPitchPx * i, 10.0 + kPitchPx * j});
+        flat_px_.push_back({left_px + kPitchPx * i, 10.0 + kPitchPx * (rows - 1 - j)});
       }
     }
     for (std::int32_t j = 0; j + 1 < rows; ++j) {
