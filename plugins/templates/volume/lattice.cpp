@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lattice.hpp"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <weft/core/stop_check.hpp>
 
 namespace weft::volume {
 namespace {
@@ -14,6 +17,26 @@ constexpr Lattice::Key kPerCube = 12;
 int third_axis(int a, int b) { return 3 - a - b; }
 
 bool is_even_order(int a, int b) { return (b - a + 3) % 3 == 1; }
+
+/// Whether some point of a triangle has all weights above a small number. `corners` are its corners
+/// by their weights in a tetrahedron. The triangle is cut off where a weight is below that
+/// (I. E. Sutherland, G. W. Hodgman, Reentrant polygon clipping, 1974).
+bool enters(const Eigen::Matrix<double, 4, 3>& corners) {
+  constexpr double kTouch = 1e-6;
+  if ((corners.rowwise().maxCoeff().array() < kTouch).any()) return false;
+  std::vector<Eigen::Vector4d> polygon{corners.col(0), corners.col(1), corners.col(2)}, rest;
+  for (Eigen::Index k = 0; k < 4; ++k) {
+    rest.clear();
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const Eigen::Vector4d &from = polygon[i], &to = polygon[(i + 1) % polygon.size()];
+      const double a = from(k) - kTouch, b = to(k) - kTouch;
+      if (a >= 0.0) rest.push_back(from);
+      if ((a >= 0.0) != (b >= 0.0)) rest.emplace_back(from + a / (a - b) * (to - from));
+    }
+    polygon.swap(rest);
+  }
+  return !polygon.empty();
+}
 
 }  // namespace
 
@@ -109,6 +132,43 @@ Lattice::Place Lattice::locate(const Eigen::Vector3d& point_m) const {
     std::swap(place.weights(2), place.weights(3));
   }
   return place;
+}
+
+std::vector<Lattice::Key> Lattice::cut_by(const std::array<Eigen::Vector3d, 3>& triangle_m) const {
+  const auto& [a, b, c] = triangle_m;
+  const auto cube_at = [&](const Eigen::Vector3d& point_m) -> Eigen::Array<Key, 3, 1> {
+    return ((point_m - origin_m_) / pitch_m_).array().floor().cast<Key>();
+  };
+  // The other cube of a tetrahedron follows its lower one.
+  const Eigen::Array<Key, 3, 1> first = (cube_at(a.cwiseMin(b).cwiseMin(c)) - 1).max(0);
+  const Eigen::Array<Key, 3, 1> last = cube_at(a.cwiseMax(b).cwiseMax(c)).min(cubes_.array() - 1);
+  const Eigen::Vector3d normal = (b - a).cross(c - a).normalized();
+  std::vector<Key> cut;
+  for (Key z = first.z(); z <= last.z(); ++z) {
+    for (Key y = first.y(); y <= last.y(); ++y) {
+      for (Key x = first.x(); x <= last.x(); ++x) {
+        const Key cube = centre_key({x, y, z});
+        worked(3);
+        constexpr double kReach = 1.5;  // of the pitch: no corner is further from the centre
+        if (std::abs(normal.dot(node_m(cube) - a)) > kReach * pitch_m_) continue;
+        for (Key t = kPerCube * cube; t < kPerCube * (cube + 1); ++t) {
+          if (!has(t)) continue;
+          worked(20);
+          Eigen::Matrix4d nodes;
+          Eigen::Matrix<double, 4, 3> corners;
+          const auto node_keys = corners_of(t);
+          for (int k = 0; k < 4; ++k) {
+            nodes.col(k) << (node_m(node_keys[static_cast<std::size_t>(k)]) - a) / pitch_m_, 1.0;
+          }
+          for (int k = 0; k < 3; ++k) {
+            corners.col(k) << (triangle_m[static_cast<std::size_t>(k)] - a) / pitch_m_, 1.0;
+          }
+          if (enters(nodes.inverse() * corners)) cut.push_back(t);
+        }
+      }
+    }
+  }
+  return cut;
 }
 
 }  // namespace weft::volume

@@ -37,6 +37,8 @@ class Lattice {
   /// The tetrahedron at a point of the box. On a side between tetrahedra, the choice depends on the
   /// point's coordinates only.
   Place locate(const Eigen::Vector3d& point_m) const;
+  /// The tetrahedra that a triangle enters; those that it only touches are not among them.
+  std::vector<Key> cut_by(const std::array<Eigen::Vector3d, 3>& triangle_m) const;
   /// Whether both cubes of a tetrahedron are in the lattice.
   bool has(Key tetrahedron) const;
   double pitch_m() const { return pitch_m_; }

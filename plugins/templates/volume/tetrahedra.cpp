@@ -11,8 +11,8 @@
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
-#include "inside_test.hpp"
 #include "lattice.hpp"
+#include "winding_number.hpp"
 
 namespace weft::volume {
 namespace {
@@ -42,27 +42,17 @@ Result<void> check_pitch(const Eigen::Vector3d& size_m, double pitch_m) {
                    " cubes: give a larger 'pitch_m', or 0 for a twelfth of the object's diagonal");
 }
 
-/// Marks the tetrahedra that contain samples of the faces, corners included.
-void mark_samples(const ClosedSurface& surface, const Lattice& lattice, double spacing_m,
-                  std::vector<Kind>& kinds) {
+/// Marks the tetrahedra that the surface enters or that hold a vertex.
+void mark_cut(const ClosedSurface& surface, const Lattice& lattice, std::vector<Kind>& kinds) {
+  for (Eigen::Index v = 0; v < surface.vertices_m.rows(); ++v) {
+    kinds[to_index(lattice.locate(surface.vertices_m.row(v)).tetrahedron)] = Kind::cut;
+  }
   for (Eigen::Index f = 0; f < surface.faces.rows(); ++f) {
     std::array<Eigen::Vector3d, 3> corners;
     for (int k = 0; k < 3; ++k) {
       corners[to_index(k)] = surface.vertices_m.row(surface.faces(f, k));
     }
-    const double longest_m =
-        std::max({(corners[1] - corners[0]).norm(), (corners[2] - corners[1]).norm(),
-                  (corners[0] - corners[2]).norm()});
-    const int pieces = std::max(1, static_cast<int>(std::ceil(longest_m / spacing_m)));
-    for (int i = 0; i <= pieces; ++i) {
-      worked(5 * pieces);
-      for (int j = 0; i + j <= pieces; ++j) {
-        const double b = static_cast<double>(i) / pieces, c = static_cast<double>(j) / pieces;
-        const Eigen::Vector3d at_m =
-            corners[0] + b * (corners[1] - corners[0]) + c * (corners[2] - corners[0]);
-        kinds[to_index(lattice.locate(at_m).tetrahedron)] = Kind::cut;
-      }
-    }
+    for (const Key t : lattice.cut_by(corners)) kinds[to_index(t)] = Kind::cut;
   }
 }
 
@@ -72,7 +62,7 @@ std::array<Eigen::Vector3d, 4> corners_m(const Lattice& lattice, Key tetrahedron
           lattice.node_m(nodes[3])};
 }
 
-void mark_inside(const Lattice& lattice, const InsideTest& inside, std::vector<Kind>& kinds) {
+void mark_inside(const Lattice& lattice, const WindingNumber& inside, std::vector<Kind>& kinds) {
   for (Key t = 0; t < lattice.tetrahedron_count(); ++t) {
     worked_in_loop(t, 10);
     if (kinds[to_index(t)] != Kind::outside || !lattice.has(t)) continue;
@@ -84,7 +74,7 @@ void mark_inside(const Lattice& lattice, const InsideTest& inside, std::vector<K
 }
 
 /// Share of a tetrahedron that is inside, by 56 evenly distributed samples.
-double filled_share_of(const std::array<Eigen::Vector3d, 4>& corners, const InsideTest& inside) {
+double filled_share_of(const std::array<Eigen::Vector3d, 4>& corners, const WindingNumber& inside) {
   constexpr int kPieces = 5;
   int within = 0, samples = 0;
   for (int i = 0; i <= kPieces; ++i) {
@@ -185,28 +175,15 @@ Result<Solid> numbered(const ClosedSurface& surface, const Lattice& lattice,
 }  // namespace
 
 Result<Solid> fill_with_tetrahedra(const ClosedSurface& surface, double pitch_m) {
-  constexpr int kDenser = 3;             // halvings of the distance between samples
-  constexpr double kSampleShare = 0.33;  // of the pitch, below a third
   const Eigen::Vector3d low_m = surface.vertices_m.colwise().minCoeff();
   const Eigen::Vector3d high_m = surface.vertices_m.colwise().maxCoeff();
   if (auto legal = check_pitch(high_m - low_m, pitch_m); !legal) return legal.error();
   const Lattice lattice(low_m, high_m, pitch_m);
-  const InsideTest inside(surface.vertices_m, surface.faces);
+  const WindingNumber inside(surface.vertices_m, surface.faces);
   std::vector<Kind> kinds(to_index(lattice.tetrahedron_count()), Kind::outside);
-  for (Eigen::Index v = 0; v < surface.vertices_m.rows(); ++v) {
-    kinds[to_index(lattice.locate(surface.vertices_m.row(v)).tetrahedron)] = Kind::cut;
-  }
-  double spacing_m = kSampleShare * pitch_m;
-  mark_samples(surface, lattice, spacing_m, kinds);
+  mark_cut(surface, lattice, kinds);
   mark_inside(lattice, inside, kinds);
-  std::vector<Key> kept = kept_of(kinds);
-  int pieces = count_pieces(lattice, kept);
-  for (int round = 0; round < kDenser && pieces > surface.parts; ++round) {
-    spacing_m *= 0.5;
-    mark_samples(surface, lattice, spacing_m, kinds);
-    kept = kept_of(kinds);
-    pieces = count_pieces(lattice, kept);
-  }
+  const std::vector<Key> kept = kept_of(kinds);
   if (static_cast<std::int64_t>(kept.size()) < kFewestTetrahedra) {
     return bad_pitch("a pitch of " + mm(pitch_m) + " makes " + std::to_string(kept.size()) +
                      " tetrahedra, at least " + std::to_string(kFewestTetrahedra) +
@@ -214,7 +191,7 @@ Result<Solid> fill_with_tetrahedra(const ClosedSurface& surface, double pitch_m)
   }
   auto solid = numbered(surface, lattice, kept);
   if (!solid) return solid;
-  solid->parts = pieces;
+  solid->parts = count_pieces(lattice, kept);
   for (const Key t : kept) {
     const bool is_cut = kinds[to_index(t)] == Kind::cut;
     solid->filled_share.push_back(is_cut ? filled_share_of(corners_m(lattice, t), inside) : 1.0);

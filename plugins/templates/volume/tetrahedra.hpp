@@ -27,10 +27,9 @@ struct Solid {
   int parts = 0;                                 ///< [] of tetrahedra that share no face
 };
 
-/// Fills a surface with the tetrahedra of a lattice of this pitch that contain a vertex, a sample
-/// of the surface (at distances below a third of the pitch) or have their centroid inside. Where
-/// the tetrahedra of a connected surface share no face, samples are taken more densely. Fails where
-/// the pitch does not suit the object; messages name `pitch_m`.
+/// Fills a surface with the tetrahedra of a lattice of this pitch that the surface enters or that
+/// have their centroid inside. Parts thinner than the pitch are therefore kept. Fails where the
+/// pitch does not suit the object; messages name `pitch_m`.
 Result<Solid> fill_with_tetrahedra(const ClosedSurface& surface, double pitch_m);
 
 }  // namespace weft::volume

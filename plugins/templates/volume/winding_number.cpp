@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "inside_test.hpp"
+#include "winding_number.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -23,7 +23,7 @@ double solid_angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eig
 
 }  // namespace
 
-InsideTest::InsideTest(const Points3View& vertices_m, const FacesView& faces) {
+WindingNumber::WindingNumber(const Points3View& vertices_m, const FacesView& faces) {
   triangles_.resize(to_index(faces.rows()));
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     for (int k = 0; k < 3; ++k) triangles_[to_index(f)].corners[k] = vertices_m.row(faces(f, k));
@@ -31,7 +31,7 @@ InsideTest::InsideTest(const Points3View& vertices_m, const FacesView& faces) {
   if (!triangles_.empty()) add_group(0, triangles_.size());
 }
 
-std::size_t InsideTest::add_group(std::size_t first, std::size_t last) {
+std::size_t WindingNumber::add_group(std::size_t first, std::size_t last) {
   worked(static_cast<std::int64_t>(20 * (last - first)));
   Group group;
   group.first = first, group.last = last;
@@ -70,7 +70,7 @@ std::size_t InsideTest::add_group(std::size_t first, std::size_t last) {
   return own;
 }
 
-double InsideTest::winding_number(const Eigen::Vector3d& point_m) const {
+double WindingNumber::at(const Eigen::Vector3d& point_m) const {
   if (groups_.empty()) return 0.0;
   double solid_angle_rad = 0.0;
   std::vector<std::size_t> open{0};

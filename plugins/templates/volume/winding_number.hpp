@@ -17,12 +17,12 @@ namespace weft::volume {
 /// It is 1 inside and 0 outside a closed surface of counter-clockwise faces, and between both near
 /// a hole. Distant groups of faces count as one dipole (G. Barill et al., Fast winding numbers for
 /// soups and clouds, 2018), which changes w by less than 0.01.
-class InsideTest {
+class WindingNumber {
  public:
-  InsideTest(const Points3View& vertices_m, const FacesView& faces);
+  WindingNumber(const Points3View& vertices_m, const FacesView& faces);
 
-  double winding_number(const Eigen::Vector3d& point_m) const;
-  bool contains(const Eigen::Vector3d& point_m) const { return winding_number(point_m) > 0.5; }
+  double at(const Eigen::Vector3d& point_m) const;
+  bool contains(const Eigen::Vector3d& point_m) const { return at(point_m) > 0.5; }
 
  private:
   struct Triangle {
