@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
@@ -10,7 +11,7 @@
 namespace weft::volume {
 namespace {
 
-constexpr std::size_t kLeafFaces = 8;
+constexpr std::size_t kLeafFaces = 4;
 constexpr double kDistant = 4.0;  // distance of a group that is one dipole, in its radii
 
 /// Solid angle of a triangle seen from the origin (A. van Oosterom, J. Strackee, The solid angle of
@@ -73,10 +74,11 @@ std::size_t WindingNumber::add_group(std::size_t first, std::size_t last) {
 double WindingNumber::at(const Eigen::Vector3d& point_m) const {
   if (groups_.empty()) return 0.0;
   double solid_angle_rad = 0.0;
-  std::vector<std::size_t> open{0};
-  while (!open.empty()) {
-    const Group& group = groups_[open.back()];
-    open.pop_back();
+  // Halving the faces needs one place per level: 64 are enough for any number of them.
+  std::array<std::size_t, 64> open{0};
+  std::size_t count = 1;
+  while (count > 0) {
+    const Group& group = groups_[open[--count]];
     const Eigen::Vector3d away_m = group.centre_m - point_m;
     const double distance_m = away_m.norm();
     if (distance_m > kDistant * group.radius_m) {
@@ -84,7 +86,7 @@ double WindingNumber::at(const Eigen::Vector3d& point_m) const {
       continue;
     }
     if (group.left != 0) {
-      open.push_back(group.right), open.push_back(group.left);
+      open[count++] = group.right, open[count++] = group.left;
       continue;
     }
     for (std::size_t i = group.first; i < group.last; ++i) {
