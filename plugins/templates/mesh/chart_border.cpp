@@ -47,20 +47,6 @@ std::vector<std::size_t> outline_corners(const Polygon& border, double tolerance
   return corners;
 }
 
-std::vector<std::size_t> sharp_corners(const Polygon& border, double tolerance) {
-  constexpr double kSharp_rad = 0.7;
-  const std::vector<std::size_t> coarse = outline_corners(border, tolerance);
-  std::vector<std::size_t> sharp;
-  for (std::size_t i = 0, n = coarse.size(); i < n; ++i) {
-    const Eigen::Vector2d& at = border[coarse[i]];
-    const Eigen::Vector2d in = at - border[coarse[(i + n - 1) % n]];
-    const Eigen::Vector2d out = border[coarse[(i + 1) % n]] - at;
-    const double turn = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));
-    if (std::abs(turn) >= kSharp_rad) sharp.push_back(coarse[i]);
-  }
-  return sharp;
-}
-
 /// A piece of a border by its arc.
 class Arc {
  public:
@@ -90,16 +76,50 @@ class Arc {
   std::vector<double> lengths_{0.0};
 };
 
-Arc piece_of(const Polygon& border, std::size_t first, std::size_t last) {
+Polygon piece_of(const Polygon& border, std::size_t first, std::size_t last) {
   Polygon points{border[first]};
   do {
     first = (first + 1) % border.size();
     points.push_back(border[first]);
   } while (first != last);
-  return Arc(std::move(points));
+  return points;
 }
 
 }  // namespace
+
+outline::Outline outline_of(std::vector<Polygon> borders) {
+  const auto largest =
+      std::max_element(borders.begin(), borders.end(), [](const Polygon& a, const Polygon& b) {
+        return outline::area_px2(a) < outline::area_px2(b);
+      });
+  outline::Outline outline{std::move(*largest), {}};
+  borders.erase(largest);
+  outline.holes = std::move(borders);
+  return outline;
+}
+
+std::vector<std::size_t> sharp_corners(const Polygon& border, double tolerance) {
+  constexpr double kSharp_rad = 0.7;
+  const std::vector<std::size_t> coarse = outline_corners(border, tolerance);
+  std::vector<std::size_t> sharp;
+  for (std::size_t i = 0, n = coarse.size(); i < n; ++i) {
+    const Eigen::Vector2d& at = border[coarse[i]];
+    const Eigen::Vector2d in = at - border[coarse[(i + n - 1) % n]];
+    const Eigen::Vector2d out = border[coarse[(i + 1) % n]] - at;
+    const double turn = std::atan2(in.x() * out.y() - in.y() * out.x(), in.dot(out));
+    if (std::abs(turn) >= kSharp_rad) sharp.push_back(coarse[i]);
+  }
+  return sharp;
+}
+
+Polygon evened_piece(const Polygon& piece, double spacing, int fewest) {
+  const Arc arc(piece);
+  const int sides = std::max(fewest, static_cast<int>(std::lround(arc.length() / spacing)));
+  const double step = arc.length() / sides;
+  Polygon inner;
+  for (int k = 1; k < sides; ++k) inner.push_back(arc.mean((k - 0.5) * step, (k + 0.5) * step));
+  return inner;
+}
 
 Polygon evened_border(const Polygon& border, double spacing) {
   std::vector<std::size_t> stops = sharp_corners(border, spacing / 3.0);
@@ -107,11 +127,10 @@ Polygon evened_border(const Polygon& border, double spacing) {
   const int fewest = stops.size() == 1 ? 3 : stops.size() == 2 ? 2 : 1;
   Polygon result;
   for (std::size_t i = 0; i < stops.size(); ++i) {
-    const Arc arc = piece_of(border, stops[i], stops[(i + 1) % stops.size()]);
-    const int pieces = std::max(fewest, static_cast<int>(std::lround(arc.length() / spacing)));
-    const double step = arc.length() / pieces;
+    const Polygon piece = piece_of(border, stops[i], stops[(i + 1) % stops.size()]);
+    const Polygon inner = evened_piece(piece, spacing, fewest);
     result.push_back(border[stops[i]]);
-    for (int k = 1; k < pieces; ++k) result.push_back(arc.mean((k - 0.5) * step, (k + 0.5) * step));
+    result.insert(result.end(), inner.begin(), inner.end());
   }
   return result;
 }
