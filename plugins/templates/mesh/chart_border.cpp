@@ -10,6 +10,7 @@
 namespace weft::mesh {
 namespace {
 
+using outline::PlaneMesh;
 using outline::Polygon;
 
 std::size_t furthest_from(const Polygon& border, const Eigen::Vector2d& point) {
@@ -133,6 +134,67 @@ Polygon evened_border(const Polygon& border, double spacing) {
     result.insert(result.end(), inner.begin(), inner.end());
   }
   return result;
+}
+
+BorderWalk::BorderWalk(const PlaneMesh& mesh) : mesh_(mesh) {
+  for (std::int32_t v = 0; v < mesh.flat_px.rows(); ++v) {
+    vertex_at_.emplace(std::pair(mesh.flat_px(v, 0), mesh.flat_px(v, 1)), v);
+  }
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) walks_.emplace(mesh.faces(f, k), mesh.faces(f, (k + 1) % 3));
+  }
+}
+
+std::optional<std::int32_t> BorderWalk::vertex(const Eigen::Vector2d& at) const {
+  const auto found = vertex_at_.find({at.x(), at.y()});
+  return found == vertex_at_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::optional<std::vector<std::int32_t>> BorderWalk::between(const Eigen::Vector2d& from,
+                                                             const Eigen::Vector2d& to) const {
+  const auto first = vertex(from), last = vertex(to);
+  if (!first || !last) return std::nullopt;
+  std::vector<std::int32_t> side{*first};
+  while (side.back() != *last) {
+    const auto next = next_towards(side.back(), to);
+    if (!next || side.size() > walks_.size()) return std::nullopt;
+    side.push_back(*next);
+  }
+  return side;
+}
+
+/// The end of the border's edge from a vertex that leads straight to a point.
+std::optional<std::int32_t> BorderWalk::next_towards(std::int32_t vertex,
+                                                     const Eigen::Vector2d& to) const {
+  constexpr double kStraight = 0.999;
+  const Eigen::Vector2d at = mesh_.flat_px.row(vertex);
+  double best = kStraight;
+  std::optional<std::int32_t> next;
+  for (auto walk = walks_.lower_bound({vertex, 0}); walk != walks_.end() && walk->first == vertex;
+       ++walk) {
+    if (walks_.contains({walk->second, vertex})) continue;
+    const Eigen::Vector2d ahead = mesh_.flat_px.row(walk->second).transpose() - at;
+    const double cosine = ahead.normalized().dot((to - at).normalized());
+    if (cosine > best) best = cosine, next = walk->second;
+  }
+  return next;
+}
+
+std::int32_t split_side(PlaneMesh& mesh, std::int32_t from, std::int32_t to, double share) {
+  const auto added = static_cast<std::int32_t>(mesh.flat_px.rows());
+  mesh.flat_px.conservativeResize(added + 1, 2);
+  mesh.flat_px.row(added) = (1.0 - share) * mesh.flat_px.row(from) + share * mesh.flat_px.row(to);
+  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+    for (int k = 0; k < 3; ++k) {
+      if (mesh.faces(f, k) != from || mesh.faces(f, (k + 1) % 3) != to) continue;
+      const Eigen::Index last = mesh.faces.rows();
+      mesh.faces.conservativeResize(last + 1, 3);
+      mesh.faces.row(last) << added, to, mesh.faces(f, (k + 2) % 3);
+      mesh.faces(f, (k + 1) % 3) = added;
+      return added;
+    }
+  }
+  return added;
 }
 
 }  // namespace weft::mesh

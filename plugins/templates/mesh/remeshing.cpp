@@ -26,14 +26,6 @@ using outline::Polygon;
 
 constexpr int kSmoothingRounds = 10;
 
-Polygon polygon_of(const Plane& plane, const std::vector<std::int32_t>& border) {
-  Polygon polygon;
-  for (const std::int32_t v : border) {
-    polygon.emplace_back(plane.chart.mesh.flat_px.row(v).cwiseProduct(plane.scale));
-  }
-  return polygon;
-}
-
 /// Size of the planes' unit on the surface.
 double unit_of(const TexturedMesh& dense) {
   return std::sqrt(texel_pitch(dense.vertices_m, dense.flat_px, dense.faces).m_per_px.prod());
@@ -48,7 +40,7 @@ std::vector<Plane> planes_of(const TexturedMesh& dense) {
     plane.scale = m_per_px.transpose() / unit_of(dense);
     plane.chart = std::move(chart);
     std::vector<Polygon> borders;
-    for (const auto& border : plane.chart.borders) borders.push_back(polygon_of(plane, border));
+    for (const auto& border : plane.chart.borders) borders.push_back(polygon_along(plane, border));
     plane.outline = outline_of(std::move(borders));
   }
   return planes;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
 
 #include "chart_border.hpp"
 
@@ -36,77 +35,7 @@ double along_at(const Eigen::RowVector2d& at, const Eigen::Vector2d& from,
   return from_m + share * (to_m - from_m);
 }
 
-/// Follows the border of a mesh from corner to corner.
-class BorderWalk {
- public:
-  explicit BorderWalk(const PlaneMesh& mesh) : mesh_(mesh) {
-    for (std::int32_t v = 0; v < mesh.flat_px.rows(); ++v) {
-      vertex_at_.emplace(std::pair(mesh.flat_px(v, 0), mesh.flat_px(v, 1)), v);
-    }
-    for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
-      for (int k = 0; k < 3; ++k) walks_.emplace(mesh.faces(f, k), mesh.faces(f, (k + 1) % 3));
-    }
-  }
-
-  std::optional<std::int32_t> vertex(const Eigen::Vector2d& at) const {
-    const auto found = vertex_at_.find({at.x(), at.y()});
-    return found == vertex_at_.end() ? std::nullopt : std::optional(found->second);
-  }
-
-  /// The vertices from one corner to another one on the straight side between them, both included;
-  /// nothing where the mesh has no such side.
-  std::optional<std::vector<std::int32_t>> between(const Eigen::Vector2d& from,
-                                                   const Eigen::Vector2d& to) const {
-    const auto first = vertex(from), last = vertex(to);
-    if (!first || !last) return std::nullopt;
-    std::vector<std::int32_t> side{*first};
-    while (side.back() != *last) {
-      const auto next = next_towards(side.back(), to);
-      if (!next || side.size() > walks_.size()) return std::nullopt;
-      side.push_back(*next);
-    }
-    return side;
-  }
-
- private:
-  /// The end of the border's edge from a vertex that leads straight to a point.
-  std::optional<std::int32_t> next_towards(std::int32_t vertex, const Eigen::Vector2d& to) const {
-    constexpr double kStraight = 0.999;
-    const Eigen::Vector2d at = mesh_.flat_px.row(vertex);
-    double best = kStraight;
-    std::optional<std::int32_t> next;
-    for (auto walk = walks_.lower_bound({vertex, 0}); walk != walks_.end() && walk->first == vertex;
-         ++walk) {
-      if (walks_.contains({walk->second, vertex})) continue;
-      const Eigen::Vector2d ahead = mesh_.flat_px.row(walk->second).transpose() - at;
-      const double cosine = ahead.normalized().dot((to - at).normalized());
-      if (cosine > best) best = cosine, next = walk->second;
-    }
-    return next;
-  }
-
-  const PlaneMesh& mesh_;
-  std::map<std::pair<double, double>, std::int32_t> vertex_at_;
-  std::set<std::pair<std::int32_t, std::int32_t>> walks_;
-};
-
-/// Adds a vertex on a side of the border, and gives its number.
-std::int32_t split_side(PlaneMesh& mesh, std::int32_t from, std::int32_t to, double share) {
-  const auto added = static_cast<std::int32_t>(mesh.flat_px.rows());
-  mesh.flat_px.conservativeResize(added + 1, 2);
-  mesh.flat_px.row(added) = (1.0 - share) * mesh.flat_px.row(from) + share * mesh.flat_px.row(to);
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
-    for (int k = 0; k < 3; ++k) {
-      if (mesh.faces(f, k) != from || mesh.faces(f, (k + 1) % 3) != to) continue;
-      const Eigen::Index last = mesh.faces.rows();
-      mesh.faces.conservativeResize(last + 1, 3);
-      mesh.faces.row(last) << added, to, mesh.faces(f, (k + 2) % 3);
-      mesh.faces(f, (k + 1) % 3) = added;
-      return added;
-    }
-  }
-  return added;
-}
+}  // namespace
 
 Polygon polygon_along(const Plane& plane, const std::vector<std::int32_t>& vertices) {
   Polygon polygon;
@@ -115,8 +44,6 @@ Polygon polygon_along(const Plane& plane, const std::vector<std::int32_t>& verti
   }
   return polygon;
 }
-
-}  // namespace
 
 Seams::Seams(const std::vector<Plane>& planes) : planes_(planes) {
   std::map<std::array<double, 3>, std::int32_t> point_at;
@@ -306,58 +233,84 @@ bool Seams::add_points_of(const PlaneMesh& mesh, const std::vector<Border>& bord
   return true;
 }
 
+/// The new vertices of the seam between two corners, in the direction of the walk.
+std::vector<Seams::Point> Seams::points_behind(const Corner& corner) const {
+  const Seam& seam = seams_[to_index(corner.seam)];
+  const double slack_m = kSameAlong * seam.along_m.back();
+  const auto [low_m, high_m] = std::minmax(corner.along_m, corner.next_along_m);
+  std::vector<Point> points;
+  for (const Point& point : seam.inner) {
+    if (point.along_m > low_m + slack_m && point.along_m < high_m - slack_m) {
+      points.push_back(point);
+    }
+  }
+  if (corner.next_along_m < corner.along_m) std::reverse(points.begin(), points.end());
+  return points;
+}
+
+/// Gives the vertices of a side that are on a seam their places, and adds those that only the other
+/// side of the seam has.
+void Seams::share_side(const Plane& plane, const Corner& corner,
+                       const std::vector<std::int32_t>& side, const std::vector<double>& along_m,
+                       ChartMesh& mesh) const {
+  const double slack_m = kSameAlong * seams_[to_index(corner.seam)].along_m.back();
+  const double sign = corner.next_along_m < corner.along_m ? -1.0 : 1.0;
+  std::size_t k = 0;
+  std::int32_t from = side.front();
+  double from_m = along_m.front();
+  for (const Point& point : points_behind(corner)) {
+    while (sign * (along_m[k + 1] - point.along_m) < -slack_m) {
+      ++k, from = side[k], from_m = along_m[k];
+    }
+    std::int32_t vertex = side[k + 1];
+    if (std::abs(along_m[k + 1] - point.along_m) > slack_m) {
+      const double share = (point.along_m - from_m) / (along_m[k + 1] - from_m);
+      vertex = split_side(mesh.plane, from, vertex, share);
+      from = vertex, from_m = point.along_m;
+    }
+    mesh.shared[vertex] = {point.place_m, flat_at(plane, corner, point.along_m)};
+  }
+}
+
 bool Seams::share(const Plane& plane, const std::vector<Border>& borders, ChartMesh& mesh) const {
-  const BorderWalk walk(mesh.plane);
-  // The walk is over the mesh as it was filled; vertices that are added come behind its own.
-  PlaneMesh split = mesh.plane;
+  // Vertices that are added have higher numbers and do not change those of the walk.
+  const PlaneMesh as_filled = mesh.plane;
+  const BorderWalk walk(as_filled);
   for (const Border& border : borders) {
     for (std::size_t i = 0; i < border.size(); ++i) {
       const Corner& corner = border[i];
-      const auto own = walk.vertex(corner.in_plane);
       if (corner.shared) {
+        const auto own = walk.vertex(corner.in_plane);
         if (!own) return false;
         mesh.shared[*own] = *corner.shared;
       }
       if (corner.seam < 0) continue;
-      const Seam& seam = seams_[to_index(corner.seam)];
       const Eigen::Vector2d& to = border[(i + 1) % border.size()].in_plane;
       const auto side = walk.between(corner.in_plane, to);
       if (!side) return false;
       std::vector<double> along_m;
       for (const std::int32_t v : *side) {
-        along_m.push_back(along_at(mesh.plane.flat_px.row(v), corner.in_plane, to, corner.along_m,
+        along_m.push_back(along_at(as_filled.flat_px.row(v), corner.in_plane, to, corner.along_m,
                                    corner.next_along_m));
       }
-      const double slack_m = kSameAlong * seam.along_m.back();
-      const bool is_backwards = corner.next_along_m < corner.along_m;
-      std::vector<Point> wanted;
-      for (const Point& point : seam.inner) {
-        const auto [low_m, high_m] = std::minmax(corner.along_m, corner.next_along_m);
-        if (point.along_m > low_m + slack_m && point.along_m < high_m - slack_m) {
-          wanted.push_back(point);
-        }
-      }
-      if (is_backwards) std::reverse(wanted.begin(), wanted.end());
-      std::size_t k = 0;
-      std::int32_t from = side->front();
-      double from_m = along_m.front();
-      for (const Point& point : wanted) {
-        const double sign = is_backwards ? -1.0 : 1.0;
-        while (sign * (along_m[k + 1] - point.along_m) < -slack_m) {
-          ++k, from = (*side)[k], from_m = along_m[k];
-        }
-        std::int32_t vertex = (*side)[k + 1];
-        if (std::abs(along_m[k + 1] - point.along_m) > slack_m) {
-          vertex =
-              split_side(split, from, vertex, (point.along_m - from_m) / (along_m[k + 1] - from_m));
-          from = vertex, from_m = point.along_m;
-        }
-        mesh.shared[vertex] = {point.place_m, flat_at(plane, corner, point.along_m)};
-      }
+      share_side(plane, corner, *side, along_m, mesh);
     }
   }
-  mesh.plane = std::move(split);
   return true;
+}
+
+/// The borders of a chart with edges of this length, and the chart filled within them.
+std::optional<PlaneMesh> Seams::fill_chart(std::size_t chart, double spacing_px,
+                                           int smoothing_rounds, std::vector<Border>& borders) {
+  std::vector<Polygon> polygons;
+  for (const auto& walk : planes_[chart].chart.borders) {
+    borders.push_back(border_of(chart, walk, spacing_px));
+    auto& polygon = polygons.emplace_back();
+    for (const Corner& corner : borders.back()) polygon.push_back(corner.in_plane);
+  }
+  auto mesh = fill_outline(outline_of(std::move(polygons)), spacing_px, smoothing_rounds);
+  if (!mesh || mesh->faces.rows() == 0) return std::nullopt;
+  return *std::move(mesh);
 }
 
 std::vector<ChartMesh> Seams::fill(double spacing_px, double unit_m, int smoothing_rounds) {
@@ -373,16 +326,9 @@ std::vector<ChartMesh> Seams::fill(double spacing_px, double unit_m, int smoothi
     std::vector<ChartMesh> meshes;
     std::vector<std::vector<Border>> borders;
     for (std::size_t c = 0; c < planes_.size(); ++c) {
-      auto& own = borders.emplace_back();
-      std::vector<Polygon> polygons;
-      for (const auto& walk : planes_[c].chart.borders) {
-        own.push_back(border_of(c, walk, spacing_px));
-        auto& polygon = polygons.emplace_back();
-        for (const Corner& corner : own.back()) polygon.push_back(corner.in_plane);
-      }
-      auto mesh = fill_outline(outline_of(std::move(polygons)), spacing_px, smoothing_rounds);
-      if (!mesh || mesh->faces.rows() == 0) return {};
-      meshes.push_back({*std::move(mesh), {}});
+      auto mesh = fill_chart(c, spacing_px, smoothing_rounds, borders.emplace_back());
+      if (!mesh) return {};
+      meshes.push_back({*std::move(mesh)});
     }
     bool has_grown = false;
     for (std::size_t c = 0; c < planes_.size(); ++c) {

@@ -21,6 +21,9 @@ struct Plane {
   outline::Outline outline;
 };
 
+/// Some of the chart's vertices in its plane.
+outline::Polygon polygon_along(const Plane& plane, const std::vector<std::int32_t>& vertices);
+
 /// A vertex of a new mesh that has exactly one place on the surface for all charts around it.
 struct SharedVertex {
   Eigen::RowVector3d place_m;
@@ -86,6 +89,11 @@ class Seams {
   /// a corner.
   bool add_points_of(const outline::PlaneMesh& mesh, const std::vector<Border>& borders,
                      bool& has_grown);
+  std::vector<Point> points_behind(const Corner& corner) const;
+  void share_side(const Plane& plane, const Corner& corner, const std::vector<std::int32_t>& side,
+                  const std::vector<double>& along_m, ChartMesh& mesh) const;
+  std::optional<outline::PlaneMesh> fill_chart(std::size_t chart, double spacing_px,
+                                               int smoothing_rounds, std::vector<Border>& borders);
   bool share(const Plane& plane, const std::vector<Border>& borders, ChartMesh& mesh) const;
 
   const std::vector<Plane>& planes_;
