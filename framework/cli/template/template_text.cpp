@@ -5,8 +5,21 @@
 
 namespace weft::cli {
 
+namespace {
+
+std::string structure_text(const TemplateSurvey& f) {
+  std::string text = fmt::format(
+      "charts    {} in the texture, {} edges at seams, {}\n", f.charts, f.seam_edges,
+      f.open_edges == 0 ? std::string("closed") : fmt::format("{} open edges", f.open_edges));
+  if (f.tetrahedra == 0) return text;
+  return text + fmt::format("solid     {} nodes, {} tetrahedra, {:.1f} cm^3\n", f.nodes,
+                            f.tetrahedra, f.solid_cm3);
+}
+
+}  // namespace
+
 std::string numbers_text(const TemplateSurvey& f) {
-  return fmt::format(
+  std::string text = fmt::format(
       "mesh      {} vertices, {} faces, {} edges, {} of them on the border\n"
       "edges     {:.2f} mm on average, {:.2f} to {:.2f}; angles from {:.1f} degrees\n"
       "size      {:.1f} x {:.1f} x {:.1f} mm, {:.1f} cm^2, {}\n"
@@ -16,6 +29,8 @@ std::string numbers_text(const TemplateSurvey& f) {
       f.longest_edge_mm, f.least_angle_deg, f.size_mm.x(), f.size_mm.y(), f.size_mm.z(), f.area_cm2,
       f.flat ? "flat" : "curved", f.texture_width_px, f.texture_height_px, 100.0 * f.mask_share,
       f.texel_mm.x(), f.texel_mm.y(), 100.0 * f.distortion);
+  const bool is_plain = f.charts == 1 && f.seam_edges == 0 && f.tetrahedra == 0;
+  return is_plain ? text : text + structure_text(f);
 }
 
 nlohmann::ordered_json numbers_json(const TemplateSurvey& f) {
@@ -33,7 +48,13 @@ nlohmann::ordered_json numbers_json(const TemplateSurvey& f) {
           {"distortion", f.distortion},
           {"flat", f.flat},
           {"texture_px", {f.texture_width_px, f.texture_height_px}},
-          {"mask_share", f.mask_share}};
+          {"mask_share", f.mask_share},
+          {"charts", f.charts},
+          {"seam_edges", f.seam_edges},
+          {"open_edges", f.open_edges},
+          {"nodes", f.nodes},
+          {"tetrahedra", f.tetrahedra},
+          {"solid_cm3", f.solid_cm3}};
 }
 
 std::string texture_text(const TextureSurvey& f) {

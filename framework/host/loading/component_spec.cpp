@@ -386,6 +386,11 @@ std::optional<yaml::Position> place_of(const ComponentSpec& spec, std::string_vi
 }
 
 std::string length_parameter(const ComponentSpec& spec) {
+  for (const NestedSpec& nested : spec.nested) {
+    const Installed* installed = nested.component.installed;
+    if (installed == nullptr || installed->component.role() != spec.component().role()) continue;
+    return length_parameter(nested.component);
+  }
   const std::vector<ParameterSpec>& parameters = spec.component().parameters;
   const auto length = std::find_if(parameters.begin(), parameters.end(), [](const auto& each) {
     return each.type == WEFT_VALUE_F64 && !each.is_vector && each.unit == "m";

@@ -62,7 +62,8 @@ ComponentSpec resolve_known_part(const Registry& registry, const yaml::Node& use
 /// Where the value of a parameter of the component stands; nothing where it has no such parameter.
 std::optional<yaml::Position> place_of(const ComponentSpec& spec, std::string_view parameter);
 
-/// The name of the first parameter that is a length in metres, or an empty text.
+/// The name of the first parameter that is a length in metres, or an empty text. A component that
+/// nests another one of its role leaves the length to that one.
 std::string length_parameter(const ComponentSpec& spec);
 
 /// Expands ${NAME} and ${NAME:-default} in a text; the Error names the variable that is not set.

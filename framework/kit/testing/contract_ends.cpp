@@ -5,6 +5,7 @@
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_check.hpp>
 #include <weft/geometry/mesh_validation.hpp>
+#include <weft/geometry/solid_validation.hpp>
 
 #include "kit/testing/contract_outputs.hpp"
 #include "kit/testing/contract_stages.hpp"
@@ -152,6 +153,8 @@ void check_template(const Subject& subject, Checks& checks) {
   if (!mesh) return checks.fail(mesh.error().message);
   const auto flat = validate_flat_mesh(templ->flat_px.matrix<2>(), faces);
   if (!flat) checks.fail(flat.error().message);
+  const auto solid = validate_solid(*templ);
+  if (!solid) checks.fail(solid.error().message);
   checks.expect(templ->texture.dim(0) == templ->mask.dim(0) &&
                     templ->texture.dim(1) == templ->mask.dim(1) && templ->texture.size() > 0,
                 "its mask has not the size of its texture");

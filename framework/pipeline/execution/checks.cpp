@@ -5,6 +5,7 @@
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_check.hpp>
 #include <weft/geometry/mesh_validation.hpp>
+#include <weft/geometry/solid_validation.hpp>
 #include <weft/geometry/surface_size.hpp>
 
 namespace weft {
@@ -132,7 +133,8 @@ Result<void> check_template(const Record& templ) {
   }
   const auto faces = sheet->faces.matrix<3>();
   if (auto valid = validate_mesh(sheet->vertices_m.matrix<3>(), faces); !valid) return valid;
-  return validate_flat_mesh(sheet->flat_px.matrix<2>(), faces);
+  if (auto valid = validate_flat_mesh(sheet->flat_px.matrix<2>(), faces); !valid) return valid;
+  return validate_solid(*sheet);
 }
 
 std::string size_doubt_of(const Record& templ, const std::string& length) {

@@ -13,7 +13,7 @@ namespace weft {
 inline constexpr std::int64_t kMostTemplateVertices = 250'000;
 
 /// Fails unless a template can be used: not too many vertices, indices in range, no folded or
-/// degenerate faces, sizes agree.
+/// degenerate faces, sizes agree, the welding and the tetrahedra belong to the surface.
 Result<void> check_template(const host::Record& templ);
 
 /// Why the size of a template that was checked is doubtful; mostly empty. `length` is the parameter

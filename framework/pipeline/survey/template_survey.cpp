@@ -4,15 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <vector>
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/mesh_topology.hpp>
+#include <weft/geometry/solid_validation.hpp>
 #include <weft/geometry/surface_distance.hpp>
 #include <weft/geometry/texture_metric.hpp>
 
 namespace weft {
 namespace {
 
-constexpr double kMmPerM = 1000.0, kCm2PerM2 = 1e4;
+constexpr double kMmPerM = 1000.0, kCm2PerM2 = 1e4, kCm3PerM3 = 1e6;
 
 double least_angle_deg(const Points3& vertices_m, const Faces& faces) {
   double least = M_PI;
@@ -41,6 +44,38 @@ void measure_edges(const Points3& vertices_m, const MeshTopology& topology,
   survey.mean_edge_mm = kMmPerM * mean_edge_length(vertices_m, topology.edges);
 }
 
+Eigen::Index count_charts(const MeshTopology& topology, Eigen::Index vertex_count) {
+  std::vector<std::int32_t> up(to_index(vertex_count));
+  std::iota(up.begin(), up.end(), 0);
+  const auto root = [&](std::int32_t v) {
+    while (up[to_index(v)] != v) v = up[to_index(v)] = up[to_index(up[to_index(v)])];
+    return v;
+  };
+  Eigen::Index charts = vertex_count;
+  for (Eigen::Index e = 0; e < topology.edges.rows(); ++e) {
+    const std::int32_t a = root(topology.edges(e, 0)), b = root(topology.edges(e, 1));
+    if (a == b) continue;
+    up[to_index(b)] = a;
+    --charts;
+  }
+  return charts;
+}
+
+void measure_solid(const Template& templ, const Faces& faces, TemplateSurvey& survey) {
+  const auto welded =
+      build_topology(welded_faces(faces, templ.welded_vertex), templ.vertices_m.rows());
+  survey.seam_edges = survey.edges - welded->edges.rows();
+  survey.open_edges = static_cast<Eigen::Index>(welded->boundary_edges.size());
+  if (!templ.is_solid()) return;
+  survey.nodes = templ.nodes_m.rows();
+  survey.tetrahedra = templ.tetrahedra.rows();
+  const auto nodes_m = templ.nodes_m.matrix<3>();
+  const auto tetrahedra = templ.tetrahedra.matrix<4>();
+  for (Eigen::Index e = 0; e < survey.tetrahedra; ++e) {
+    survey.solid_cm3 += kCm3PerM3 * tetrahedron_volume(nodes_m, tetrahedra, e);
+  }
+}
+
 }  // namespace
 
 TemplateSurvey survey_template(const Template& templ) {
@@ -50,7 +85,10 @@ TemplateSurvey survey_template(const Template& templ) {
   TemplateSurvey survey;
   survey.vertices = vertices_m.rows();
   survey.faces = faces.rows();
-  measure_edges(vertices_m, *build_topology(faces, vertices_m.rows()), survey);
+  const auto topology = build_topology(faces, vertices_m.rows());
+  measure_edges(vertices_m, *topology, survey);
+  survey.charts = count_charts(*topology, vertices_m.rows());
+  measure_solid(templ, faces, survey);
   survey.least_angle_deg = least_angle_deg(vertices_m, faces);
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     survey.area_cm2 += kCm2PerM2 * face_area(vertices_m, faces, f);

@@ -20,7 +20,12 @@ struct TemplateSurvey {
   double distortion = 0.0;                             ///< deviation of faces from that mean
   bool flat = false;                                   ///< all vertices in one plane
   std::int64_t texture_width_px = 0, texture_height_px = 0;
-  double mask_share = 0.0;  ///< share of the texture that is the object
+  double mask_share = 0.0;                 ///< share of the texture that is the object
+  Eigen::Index charts = 0;                 ///< [] pieces of the texture
+  Eigen::Index seam_edges = 0;             ///< [] edges at which two sides of a seam meet
+  Eigen::Index open_edges = 0;             ///< [] edges on the border of the welded surface
+  Eigen::Index nodes = 0, tetrahedra = 0;  ///< [] of a solid object
+  double solid_cm3 = 0.0;                  ///< volume of the tetrahedra
 };
 
 /// For a template that check_template() accepts.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <unordered_map>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
@@ -130,6 +131,21 @@ std::int64_t remove_faces_without_area(MeshFile& file,
     const Eigen::Vector3d b = file.positions[to_index(points[2])] - origin;
     return !(0.5 * a.cross(b).norm() > least);
   }));
+}
+
+Array<std::int32_t> welded_vertices(const Points3& vertices) {
+  std::map<std::array<double, 3>, std::int32_t> first_at;
+  Array<std::int32_t> welded({vertices.rows()});
+  bool has_seam = false;
+  for (std::int32_t v = 0; v < vertices.rows(); ++v) {
+    worked_in_loop(v, 30);
+    // Adding 0 turns -0 into 0; both are the same place.
+    const std::array<double, 3> place{vertices(v, 0) + 0.0, vertices(v, 1) + 0.0,
+                                      vertices(v, 2) + 0.0};
+    welded(v) = first_at.try_emplace(place, v).first->second;
+    has_seam = has_seam || welded(v) != v;
+  }
+  return has_seam ? welded : Array<std::int32_t>();
 }
 
 }  // namespace weft::mesh

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <vector>
+#include <weft/data/array.hpp>
+#include <weft/geometry/types.hpp>
 
 #include "mesh_file.hpp"
 
@@ -24,5 +26,9 @@ std::vector<std::int32_t> first_corners(const MeshFile& file,
 /// Removes faces that have two corners at one place or no area, and gives their number.
 std::int64_t remove_faces_without_area(MeshFile& file,
                                        const std::vector<std::int32_t>& first_position);
+
+/// For each vertex [V] the first one with exactly the same coordinates, itself included. Absent
+/// where no two vertices share a place: a surface without a seam.
+Array<std::int32_t> welded_vertices(const Points3& vertices);
 
 }  // namespace weft::mesh

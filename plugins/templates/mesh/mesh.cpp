@@ -8,6 +8,7 @@
 #include <weft/geometry/texture_metric.hpp>
 #include <weft/sdk/template_builder.hpp>
 
+#include "coincidence.hpp"
 #include "common/images/texture_file.hpp"
 #include "flattening.hpp"
 #include "remeshing.hpp"
@@ -212,6 +213,7 @@ class MeshTemplate final : public TemplateBuilder {
     templ.flat_px = make_array<double>(mesh.flat_px);
     templ.faces = make_array<std::int32_t>(mesh.faces);
     templ.m_per_px = make_array<double>(m_per_px);
+    templ.welded_vertex = welded_vertices(mesh.vertices_m);
     return templ;
   }
 

@@ -2,109 +2,88 @@
 #include "remeshing.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <optional>
 #include <utility>
 #include <vector>
 #include <weft/core/index.hpp>
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/face_locator.hpp>
 #include <weft/geometry/mesh_validation.hpp>
+#include <weft/geometry/solid_validation.hpp>
 #include <weft/geometry/texture_metric.hpp>
 
 #include "chart.hpp"
 #include "chart_border.hpp"
+#include "coincidence.hpp"
 #include "common/plane_mesh.hpp"
+#include "seams.hpp"
 
 namespace weft::mesh {
 namespace {
 
 using outline::Outline;
-using outline::PlaneMesh;
 using outline::Polygon;
 
-/// A chart in a plane whose texels are as large as on the surface, in a unit common to all charts.
-struct Plane {
-  Chart chart;
-  Eigen::RowVector2d scale;  ///< [] of the plane to px of the texture, along u and v
-  Outline outline;
-};
+constexpr int kSmoothingRounds = 10;
 
-Polygon polygon_of(const Plane& plane, const std::vector<std::int32_t>& border) {
-  Polygon polygon;
-  for (const std::int32_t v : border) {
-    polygon.emplace_back(plane.chart.mesh.flat_px.row(v).cwiseProduct(plane.scale));
-  }
-  return polygon;
-}
-
-/// The border of the largest area goes around the others.
-Outline outline_of(const Plane& plane) {
-  Outline outline;
-  for (const auto& border : plane.chart.borders) {
-    outline.holes.push_back(polygon_of(plane, border));
-  }
-  const auto largest = std::max_element(outline.holes.begin(), outline.holes.end(),
-                                        [](const Polygon& a, const Polygon& b) {
-                                          return outline::area_px2(a) < outline::area_px2(b);
-                                        });
-  outline.outer = std::move(*largest);
-  outline.holes.erase(largest);
-  return outline;
+/// Size of the planes' unit on the surface.
+double unit_of(const TexturedMesh& dense) {
+  return std::sqrt(texel_pitch(dense.vertices_m, dense.flat_px, dense.faces).m_per_px.prod());
 }
 
 std::vector<Plane> planes_of(const TexturedMesh& dense) {
-  const double unit_m =
-      std::sqrt(texel_pitch(dense.vertices_m, dense.flat_px, dense.faces).m_per_px.prod());
   std::vector<Plane> planes;
   for (Chart& chart : charts_of(dense)) {
     const TexturedMesh& mesh = chart.mesh;
     const auto m_per_px = texel_pitch(mesh.vertices_m, mesh.flat_px, mesh.faces).m_per_px;
     Plane& plane = planes.emplace_back();
-    plane.scale = m_per_px.transpose() / unit_m;
+    plane.scale = m_per_px.transpose() / unit_of(dense);
     plane.chart = std::move(chart);
-    plane.outline = outline_of(plane);
+    std::vector<Polygon> borders;
+    for (const auto& border : plane.chart.borders) borders.push_back(polygon_along(plane, border));
+    plane.outline = outline_of(std::move(borders));
   }
   return planes;
 }
 
-/// All planes filled with edges of one length; nothing where borders cross or a chart is lost.
-std::optional<std::vector<PlaneMesh>> filled(const std::vector<Plane>& planes, double spacing_px) {
-  constexpr int kSmoothingRounds = 10;
-  std::vector<PlaneMesh> meshes;
+/// All planes filled with edges of one length, without seams; empty where borders cross or a chart
+/// is lost.
+std::vector<ChartMesh> filled(const std::vector<Plane>& planes, double spacing_px) {
+  std::vector<ChartMesh> meshes;
   for (const Plane& plane : planes) {
     Outline outline{evened_border(plane.outline.outer, spacing_px), {}};
     for (const Polygon& hole : plane.outline.holes) {
       outline.holes.push_back(evened_border(hole, spacing_px));
     }
     auto mesh = fill_outline(outline, spacing_px, kSmoothingRounds);
-    if (!mesh || mesh->faces.rows() == 0) return std::nullopt;
-    meshes.push_back(*std::move(mesh));
+    if (!mesh || mesh->faces.rows() == 0) return {};
+    meshes.push_back({*std::move(mesh)});
   }
   return meshes;
 }
 
 /// Those whose vertices are closest to `wanted` in number, by a few tries at the edges' length;
-/// nothing where no try succeeds.
-std::vector<PlaneMesh> filled_with(const std::vector<Plane>& planes, int wanted) {
+/// empty where no try succeeds.
+std::vector<ChartMesh> filled_with(const std::vector<Plane>& planes, double unit_m, int wanted) {
   constexpr int kTries = 10;
   constexpr double kClose = 0.01, kFiner = 0.8;
+  Seams seams(planes);
   double area_px2 = 0.0;
   for (const Plane& plane : planes) area_px2 += plane.outline.area_px2();
   double spacing_px = std::sqrt(2.0 * area_px2 / (std::sqrt(3.0) * wanted));
-  std::vector<PlaneMesh> best;
+  std::vector<ChartMesh> best;
   double least = INFINITY;
   for (int round = 0; round < kTries && least > kClose; ++round) {
-    auto meshes = filled(planes, spacing_px);
-    if (!meshes) {
+    auto meshes = seams.empty() ? filled(planes, spacing_px)
+                                : seams.fill(spacing_px, unit_m, kSmoothingRounds);
+    if (meshes.empty()) {
       spacing_px *= kFiner;
       continue;
     }
     double count = 0.0;
-    for (const PlaneMesh& mesh : *meshes) count += static_cast<double>(mesh.flat_px.rows());
+    for (const ChartMesh& mesh : meshes) count += static_cast<double>(mesh.plane.flat_px.rows());
     const double off = std::abs(std::log(count / wanted));
-    if (off < least) least = off, best = *std::move(meshes);
+    if (off < least) least = off, best = std::move(meshes);
     spacing_px *= std::sqrt(count / wanted);
   }
   return best;
@@ -176,7 +155,7 @@ Error too_few(const std::string& path) {
 
 Result<TexturedMesh> remeshed(const std::string& path, const TexturedMesh& dense, int vertices) {
   const std::vector<Plane> planes = planes_of(dense);
-  const std::vector<PlaneMesh> meshes = filled_with(planes, vertices);
+  const std::vector<ChartMesh> meshes = filled_with(planes, unit_of(dense), vertices);
   if (meshes.empty()) return too_few(path);
   std::vector<Eigen::RowVector3d> vertices_m;
   std::vector<Eigen::RowVector2d> flat_px;
@@ -186,10 +165,16 @@ Result<TexturedMesh> remeshed(const std::string& path, const TexturedMesh& dense
     const auto lifter = Lifter::create(planes[c]);
     if (!lifter) return lifter.error();
     const auto first = static_cast<std::int32_t>(vertices_m.size());
-    for (Eigen::Index v = 0; v < meshes[c].flat_px.rows(); ++v) {
-      lifter->add(meshes[c].flat_px.row(v), vertices_m, flat_px);
+    const auto& [plane, shared] = meshes[c];
+    for (std::int32_t v = 0; v < plane.flat_px.rows(); ++v) {
+      const auto fixed = shared.find(v);
+      if (fixed == shared.end()) {
+        lifter->add(plane.flat_px.row(v), vertices_m, flat_px);
+      } else {
+        vertices_m.push_back(fixed->second.place_m), flat_px.push_back(fixed->second.flat_px);
+      }
     }
-    faces.emplace_back(meshes[c].faces.array() + first);
+    faces.emplace_back(plane.faces.array() + first);
     face_count += faces.back().rows();
   }
   const auto count = static_cast<Eigen::Index>(vertices_m.size());
@@ -204,7 +189,8 @@ Result<TexturedMesh> remeshed(const std::string& path, const TexturedMesh& dense
     next += own.rows();
   }
   if (!validate_mesh(mesh.vertices_m, mesh.faces) ||
-      !validate_flat_mesh(mesh.flat_px, mesh.faces)) {
+      !validate_flat_mesh(mesh.flat_px, mesh.faces) ||
+      !build_topology(welded_faces(mesh.faces, welded_vertices(mesh.vertices_m)), count)) {
     return too_few(path);
   }
   return mesh;

@@ -19,7 +19,9 @@ struct TexturedMesh {
 /// connected part of the texture, is meshed again in its plane, with texels of the size that they
 /// have on it. Each vertex therefore has one place in the texture and on the surface: a point of a
 /// face of `dense`. Sharp corners of a chart's border are kept, and between them the border up to
-/// chords of the new edges. Fails where so few vertices do not hold the surface; `path` names it.
+/// chords of the new edges. Vertices on both sides of a seam have exactly the same places, so that
+/// the new surface is closed where `dense` is. Fails where so few vertices do not hold the surface;
+/// `path` names it.
 Result<TexturedMesh> remeshed(const std::string& path, const TexturedMesh& dense, int vertices);
 
 }  // namespace weft::mesh

@@ -13,6 +13,7 @@
 #include <weft/data/matrix.hpp>
 #include <weft/data/template.hpp>
 #include <weft/geometry/mesh_topology.hpp>
+#include <weft/geometry/solid_validation.hpp>
 #include <weft/geometry/texture_metric.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 
@@ -197,6 +198,50 @@ TEST_F(MeshTemplate, CutsAClosedSurfaceWhereItsTextureIs) {
               1e-12);
   const auto covered = std::count(templ.mask.data(), templ.mask.data() + templ.mask.size(), 1);
   EXPECT_NEAR(static_cast<double>(covered), 0.81 * 300 * 120, 0.03 * 300 * 120);
+}
+
+TEST_F(MeshTemplate, NamesVerticesThatShareAPlace) {
+  EXPECT_FALSE(built(half_cylinder(true)).welded_vertex.present()) << "it has no seam";
+  const Template templ = built(cube(), ", unit_m: 0.1");
+  ASSERT_TRUE(templ.welded_vertex.present());
+  std::int64_t places = 0;
+  for (std::int32_t v = 0; v < 24; ++v) {
+    const std::int32_t first = templ.welded_vertex(v);
+    places += first == v ? 1 : 0;
+    for (std::int32_t other = 0; other < 24; ++other) {
+      const double apart =
+          (templ.vertices_m.matrix<3>().row(v) - templ.vertices_m.matrix<3>().row(other)).norm();
+      EXPECT_EQ(templ.welded_vertex(other) == first, apart == 0.0) << v << " " << other;
+    }
+  }
+  EXPECT_EQ(places, 8);
+}
+
+TEST_F(MeshTemplate, WeldsPlacesThatDifferByRounding) {
+  std::string text = cube();
+  text.replace(text.find("v 1 1 1"), 7, "v 1 1 1\nv 1.0000005 1 1");
+  // The last corner of the last side is the new position, which is where the eighth one is.
+  const std::size_t at = text.rfind(" 8/");
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, 3, " 9/");
+  const Template templ = built(text, ", unit_m: 0.1");
+  const auto welded = templ.welded_vertex.matrix<1>();
+  std::int64_t places = 0;
+  for (std::int32_t v = 0; v < welded.rows(); ++v) places += welded(v) == v ? 1 : 0;
+  EXPECT_EQ(places, 8);
+}
+
+TEST_F(MeshTemplate, KeepsSeamsClosedAfterRemeshing) {
+  const Template templ = built(cube(), ", unit_m: 0.1, vertices: 120");
+  ASSERT_TRUE(templ.welded_vertex.present());
+  const auto faces = weft::welded_faces(templ.faces.matrix<3>(), templ.welded_vertex);
+  const auto topology = weft::build_topology(faces, templ.vertices_m.rows());
+  ASSERT_TRUE(topology);
+  EXPECT_TRUE(topology->boundary_edges.empty());
+}
+
+TEST_F(MeshTemplate, CountsPartsInSpace) {
+  EXPECT_EQ(build(write(cube()), ", unit_m: 0.1").status, WEFT_OK) << "six charts are one part";
 }
 
 TEST_F(MeshTemplate, MeshesTheSurfaceAnewWithAboutSoManyVertices) {

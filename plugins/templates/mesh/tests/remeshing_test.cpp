@@ -9,8 +9,10 @@
 #include <weft/geometry/face_locator.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/mesh_validation.hpp>
+#include <weft/geometry/solid_validation.hpp>
 
 #include "chart_border.hpp"
+#include "coincidence.hpp"
 
 namespace weft::mesh {
 namespace {
@@ -243,6 +245,131 @@ TEST(Remeshing, KeepsShapesOfTexelsThatAreNotSquare) {
   TexturedMesh dense = rolled();
   dense.flat_px.col(1) *= 4.0;
   EXPECT_GT(least_angle_deg(fewer(dense, 200)), 20.0);
+}
+
+/// A grid of columns x rows cells of which `to_space` gives the place in space, at `left_px` of the
+/// texture; a texel is 1 mm.
+void add_chart(TexturedMesh& mesh, int columns, int rows, double cell_px, double left_px,
+               const std::function<Eigen::RowVector3d(int, int)>& to_space) {
+  const Eigen::Index own = mesh.flat_px.rows(), own_faces = mesh.faces.rows();
+  mesh.flat_px.conservativeResize(own + (columns + 1) * (rows + 1), 2);
+  mesh.vertices_m.conservativeResize(mesh.flat_px.rows(), 3);
+  mesh.faces.conservativeResize(own_faces + 2 * columns * rows, 3);
+  Eigen::Index v = own, f = own_faces;
+  for (int j = 0; j <= rows; ++j) {
+    for (int i = 0; i <= columns; ++i, ++v) {
+      mesh.flat_px.row(v) << left_px + cell_px * i, cell_px * j;
+      mesh.vertices_m.row(v) = to_space(i, j);
+      if (i == columns || j == rows) continue;
+      const auto a = static_cast<std::int32_t>(v), b = a + columns + 1;
+      mesh.faces.row(f++) << a, b, b + 1;
+      mesh.faces.row(f++) << a, b + 1, a + 1;
+    }
+  }
+}
+
+/// A box of 80 x 60 x 40 mm whose six sides are charts of their own, in cells of 5 mm.
+TexturedMesh box_of_six_charts() {
+  constexpr int kCells[] = {16, 12, 8};
+  TexturedMesh mesh;
+  double left_px = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const bool is_far : {false, true}) {
+      const int along = (axis + 1) % 3, up = (axis + 2) % 3;
+      // Seen from outside, the one axis is to the right and the other one down.
+      const int right = is_far ? up : along, down = is_far ? along : up;
+      add_chart(mesh, kCells[right], kCells[down], kPitch_px, left_px, [&](int i, int j) {
+        Eigen::RowVector3d place = Eigen::RowVector3d::Zero();
+        place(right) = 0.005 * i, place(down) = 0.005 * j;
+        place(axis) = is_far ? 0.005 * kCells[axis] : 0.0;
+        return place;
+      });
+      left_px += kPitch_px * (kCells[right] + 2);
+    }
+  }
+  return mesh;
+}
+
+/// A closed ring with a square section of 20 mm, in four charts; each is rolled, so that its left
+/// and right borders are a seam, too.
+TexturedMesh ring_of_four_charts() {
+  constexpr int kTurns = 60, kRise = 4;
+  TexturedMesh mesh;
+  double left_px = 0.0;
+  for (int side = 0; side < 4; ++side) {
+    add_chart(mesh, kTurns, kRise, kPitch_px, left_px, [&](int i, int j) -> Eigen::RowVector3d {
+      const double turn = 2.0 * M_PI * (i % kTurns) / kTurns;
+      const double corners_m[5][2] = {
+          {0.06, 0.02}, {0.06, 0.0}, {0.04, 0.0}, {0.04, 0.02}, {0.06, 0.02}};
+      const auto &from = corners_m[side], &to = corners_m[side + 1];
+      const double share = static_cast<double>(j) / kRise;
+      const double radius_m = from[0] + share * (to[0] - from[0]);
+      return {radius_m * std::cos(turn), radius_m * std::sin(turn),
+              from[1] + share * (to[1] - from[1])};
+    });
+    left_px += kPitch_px * (kTurns + 2);
+  }
+  return mesh;
+}
+
+struct WeldedSurface {
+  Eigen::Index euler = 0;
+  std::size_t open_edges = 0;
+};
+
+WeldedSurface welded_surface(const TexturedMesh& mesh) {
+  const auto first = welded_vertices(mesh.vertices_m);
+  EXPECT_TRUE(first.present());
+  EXPECT_TRUE(validate_welding(mesh.vertices_m, mesh.faces, first));
+  Eigen::Index places = 0;
+  for (std::int32_t v = 0; v < mesh.flat_px.rows(); ++v) places += first(v) == v ? 1 : 0;
+  const auto topology = build_topology(welded_faces(mesh.faces, first), mesh.flat_px.rows());
+  return {places - topology->edges.rows() + mesh.faces.rows(), topology->boundary_edges.size()};
+}
+
+TEST(Remeshing, JoinsTheSeamsOfABox) {
+  const TexturedMesh dense = box_of_six_charts();
+  EXPECT_EQ(welded_surface(dense).open_edges, 0U);
+  for (const int wanted : {60, 150, 400, 2000}) {
+    const TexturedMesh mesh = fewer(dense, wanted);
+    EXPECT_NEAR(static_cast<double>(mesh.flat_px.rows()), wanted, 0.1 * wanted);
+    const WeldedSurface welded = welded_surface(mesh);
+    EXPECT_EQ(welded.open_edges, 0U) << wanted;
+    EXPECT_EQ(welded.euler, 2) << wanted;
+    EXPECT_NEAR(area_m2(mesh), area_m2(dense), 1e-9) << wanted;
+    EXPECT_LT(worst_place_m(dense, mesh), 1e-9) << wanted;
+    EXPECT_GT(least_angle_deg(mesh), 15.0) << wanted;
+  }
+}
+
+TEST(Remeshing, JoinsTheSeamsOfARing) {
+  const TexturedMesh dense = ring_of_four_charts();
+  EXPECT_EQ(welded_surface(dense).open_edges, 0U);
+  for (const int wanted : {150, 400, 1500}) {
+    const TexturedMesh mesh = fewer(dense, wanted);
+    const WeldedSurface welded = welded_surface(mesh);
+    EXPECT_EQ(welded.open_edges, 0U) << wanted;
+    EXPECT_EQ(welded.euler, 0) << wanted;
+    EXPECT_NEAR(area_m2(mesh), area_m2(dense), 0.05 * area_m2(dense)) << wanted;
+  }
+}
+
+TEST(Remeshing, JoinsASeamBetweenOpenBorders) {
+  // Two halves of a roll: one seam and six open sides.
+  TexturedMesh both;
+  const auto roll = [](int first) {
+    return [first](int i, int j) -> Eigen::RowVector3d {
+      const double turn = 0.05 * (first + i);
+      return {0.1 * std::sin(turn), -0.005 * j, 0.1 * std::cos(turn)};
+    };
+  };
+  add_chart(both, 20, 30, kPitch_px, 0.0, roll(0));
+  add_chart(both, 20, 30, kPitch_px, 150.0, roll(20));
+  const TexturedMesh mesh = fewer(both, 150);
+  const WeldedSurface welded = welded_surface(mesh);
+  EXPECT_EQ(welded.euler, 1);
+  EXPECT_GT(welded.open_edges, 10U);
+  EXPECT_LT(worst_place_m(both, mesh), 1e-9);
 }
 
 outline::Polygon square(const std::function<double(int)>& dent) {
