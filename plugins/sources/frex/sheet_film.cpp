@@ -31,7 +31,7 @@ double curvature_rad(const MeshTopology& topology, const RestSheet& sheet) {
   return missing_rad.cwiseAbs().sum();
 }
 
-/// Whether the surface is a disc that is nearly developable, so that its lengths let it be bent.
+/// True if the surface is a disc that is nearly developable, so that its lengths let it be bent.
 bool bends_freely(const MeshTopology& topology, const RestSheet& sheet) {
   constexpr double kNearly_rad = 0.5;
   const Eigen::Index euler = sheet.rest_m.rows() - topology.edges.rows() + sheet.faces.rows();

@@ -42,7 +42,7 @@ class SheetFilm final : public Film {
   scene::Cloth cloth_;
   std::vector<DistanceConstraint> rest_edges_;
   double fps_;
-  std::optional<Welding> welding_;  ///< of a surface with seams
+  std::optional<Welding> welding_;  ///< for a surface with seams
   bool is_stiff_;                   ///< not simulated
   std::vector<FilmState> states_;
 };

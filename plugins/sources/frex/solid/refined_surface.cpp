@@ -89,7 +89,7 @@ class Refinement {
   }
 
   void divide(const Face& face, double edge_m, std::vector<Face>& into) {
-    std::array<std::int32_t, 3> middles{};  // of the edge behind each corner
+    std::array<std::int32_t, 3> middles{};  // on the edge behind each corner
     int divided = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       middles[k] = middle_of(face[k], face[(k + 1) % 3], edge_m);

@@ -33,7 +33,7 @@ class SolidFilm final : public Film {
   Sways sways_;
   double sign_;  ///< which way it is bent or twisted
   Points3 rest_m_;
-  std::vector<DistanceConstraint> rest_edges_;  ///< of the truth's faces
+  std::vector<DistanceConstraint> rest_edges_;  ///< edges of the truth's faces
   Eigen::Matrix3d view_;
   double fps_;
   FilmState state_;

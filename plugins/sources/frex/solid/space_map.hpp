@@ -18,9 +18,9 @@ Eigen::Vector3d bent(const Eigen::Vector3d& place_m, double curvature_per_m);
 Eigen::Vector3d twisted(const Eigen::Vector3d& place_m, double turn_rad_per_m);
 
 /// Presses space from both sides along z, to 1 - `share` of its height on the z axis. It is the
-/// flow of the field v_z = -z g, v_s = a^2 (1 - g) / s without divergence, with s the distance from
-/// the axis, g = exp(-s^2 / (2 a^2)) and a = `radius_m`. Its integral over the time -ln(1 - share)
-/// is, with w = s^2 / (2 a^2),
+/// flow of the field v_z = -z g, v_s = a^2 (1 - g) / s, which has no divergence. Here s is the
+/// distance from the axis, a = `radius_m` and g = exp(-w) with w = s^2 / (2 a^2). The integral over
+/// the time -ln(1 - share) is
 ///     z -> z (1 - share e^-w),  w -> w - ln(1 - share) + ln(1 - share e^-w).
 Eigen::Vector3d pressed(const Eigen::Vector3d& place_m, double share, double radius_m);
 

@@ -84,8 +84,9 @@ std::string open_can() { return can_obj(33, 100, 1); }
 std::string cushion() { return cushion_obj(120, 30); }
 std::string box() { return box_obj(150, 60, 40); }
 
-// Twins: the can's seam of 9 and a rim of 32 for each lid, which both the body's ends share; the
-// cushion's rim of 48; the box's 12 edges of 7 inner vertices and 8 corners with two twins each.
+// Points with a twin. The can has a seam of 9 and a rim of 32 for each lid, and the cushion a rim
+// of
+// 48. The box has 12 edges of 7 inner vertices, and 8 corners with two twins each.
 INSTANTIATE_TEST_SUITE_P(Objects, FrexSeams,
                          ::testing::Values(SeamCase{"closed_can", closed_can, 9 + 2 * 32},
                                            SeamCase{"open_can", open_can, 9 + 32},
@@ -93,7 +94,7 @@ INSTANTIATE_TEST_SUITE_P(Objects, FrexSeams,
                                            SeamCase{"box", box, 12 * 7 + 8 * 2}),
                          [](const auto& object) { return std::string(object.param.name); });
 
-/// mm: a flat sheet of two charts, which meet at a straight seam.
+/// mm: a flat surface of two charts, which meet at a straight seam.
 std::string halved_sheet() {
   ObjWriter obj;
   for (const double left : {0.0, 0.5}) {
@@ -113,7 +114,7 @@ TEST(FrexSeams, OfAFlatObjectLetItBendAsClothDoes) {
   EXPECT_LT(truth.diag.value("edge_strain", 1.0), 0.002);
   const auto flat = align_points(film.truth(0).points_m.matrix<3>(), points);
   ASSERT_TRUE(flat);
-  EXPECT_GT(flat->rms, 0.005) << "the sheet is not bent";
+  EXPECT_GT(flat->rms, 0.005) << "the surface is not bent";
 }
 
 }  // namespace

@@ -135,7 +135,7 @@ TEST(FrexVolume, IsRigidAtFirstAndFacesTheCameraTurnedByTheView) {
     }
     EXPECT_NEAR(first.template_xy_m(i, 0), templ->m_per_px(0) * templ->flat_px(i, 0), 1e-15);
   }
-  // Of the box that faces the camera, one side is seen; turned, three are.
+  // One side of the box that faces the camera is seen, three of the turned one.
   const auto extent_m = [](const GroundTruth& truth) -> Eigen::RowVector3d {
     const auto points = truth.points_m.matrix<3>();
     return points.colwise().maxCoeff() - points.colwise().minCoeff();

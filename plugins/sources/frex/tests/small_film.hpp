@@ -55,7 +55,7 @@ class OpenFilm {
   PluginUnderTest plugin_;
 };
 
-/// The printed sheet.
+/// The printed surface.
 class SmallFilm : public OpenFilm {
  public:
   explicit SmallFilm(const std::string& more = "", std::uint64_t run_seed = 1)
