@@ -7,14 +7,15 @@
 
 namespace weft::frex {
 
-Eigen::Vector3d bent(const Eigen::Vector3d& place_m, double curvature_per_m) {
+Eigen::Vector3d bent(const Eigen::Vector3d& place_m, double curvature_per_m, double thickness_m) {
   // The formulas of the header without their difference of large numbers at a small curvature.
   const double x = place_m.x(), z = place_m.z();
-  const double ratio = std::sqrt(1.0 - 2.0 * curvature_per_m * z);  // r / rho
+  const double shift_m = curvature_per_m * thickness_m * thickness_m / 12.0;
+  const double ratio = std::sqrt(1.0 + curvature_per_m * (shift_m - 2.0 * z));  // r / rho
   const double half_rad = 0.5 * curvature_per_m * x;
   const double sinc = std::abs(half_rad) < 1e-8 ? 1.0 : std::sin(half_rad) / half_rad;
   return {ratio * x * sinc * std::cos(half_rad), place_m.y(),
-          2.0 * z / (1.0 + ratio) + ratio * x * sinc * std::sin(half_rad)};
+          (2.0 * z - shift_m) / (1.0 + ratio) + ratio * x * sinc * std::sin(half_rad)};
 }
 
 Eigen::Vector3d twisted(const Eigen::Vector3d& place_m, double turn_rad_per_m) {
@@ -39,7 +40,10 @@ Eigen::Vector3d pressed(const Eigen::Vector3d& place_m, double share, double rad
 }
 
 SpaceMap::SpaceMap(const Settings& settings, const Eigen::Vector3d& size_m)
-    : settings_(settings), length_m_(size_m.x()), radius_m_(0.25 * size_m.y()) {}
+    : settings_(settings),
+      length_m_(size_m.x()),
+      thickness_m_(size_m.z()),
+      radius_m_(0.25 * size_m.y()) {}
 
 Result<SpaceMap> SpaceMap::create(const Settings& settings, const Eigen::Vector3d& size_m) {
   const double most_rad = size_m.x() / size_m.z();
@@ -58,7 +62,7 @@ Result<SpaceMap> SpaceMap::create(const Settings& settings, const Eigen::Vector3
 
 Eigen::Vector3d SpaceMap::operator()(const Eigen::Vector3d& rest_m, double amount) const {
   const double turn_rad_per_m = amount * settings_.angle_rad / length_m_;
-  if (settings_.motion == SolidMotion::bend) return bent(rest_m, turn_rad_per_m);
+  if (settings_.motion == SolidMotion::bend) return bent(rest_m, turn_rad_per_m, thickness_m_);
   if (settings_.motion == SolidMotion::twist) return twisted(rest_m, turn_rad_per_m);
   return pressed(rest_m, std::abs(amount) * settings_.press_share, radius_m_);
 }

@@ -78,13 +78,22 @@ INSTANTIATE_TEST_SUITE_P(All, SpaceMaps,
                                static_cast<std::size_t>(motion.param)));
                          });
 
-TEST(SpaceMap, BendsTheMiddlePlaneToAnArcOfItsLength) {
+TEST(SpaceMap, BendsAPlaneNearTheMiddleToAnArcOfItsLength) {
   const SpaceMap map = map_of(SolidMotion::bend);
   constexpr int kPieces = 4000;
-  double length_m = 0.0;
+  double length_m = 0.0, stretches = 0.0;
+  const double rho_m = kBlock_m.x() / (M_PI / 3.0);
+  const double unstretched_m = kBlock_m.z() * kBlock_m.z() / (24.0 * rho_m);
   const auto at = [&](int k) {
-    return map({kBlock_m.x() * (static_cast<double>(k) / kPieces - 0.5), 0.01, 0.0}, 1.0);
+    return map({kBlock_m.x() * (static_cast<double>(k) / kPieces - 0.5), 0.01, unstretched_m}, 1.0);
   };
+  // Nothing pulls at the ends: the mean stretch over the thickness is 1, up to its fourth order.
+  constexpr int kLayers = 100;
+  for (int k = 0; k < kLayers; ++k) {
+    const double z_m = kBlock_m.z() * ((k + 0.5) / kLayers - 0.5);
+    stretches += gradient(map, {0.0, 0.0, z_m}, 1.0)(0, 0) / kLayers;
+  }
+  EXPECT_NEAR(stretches, 1.0, 2e-4);
   for (int k = 0; k < kPieces; ++k) length_m += (at(k + 1) - at(k)).norm();
   EXPECT_NEAR(length_m, kBlock_m.x(), 1e-8);
   // A chord of a circle with the radius L / angle.
