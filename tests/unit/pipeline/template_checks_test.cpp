@@ -17,8 +17,8 @@ std::string refusal(const Template& templ) {
   return legal ? "" : legal.error().message;
 }
 
-/// A flat sheet in one large tetrahedron.
-Template sheet_in_a_tetrahedron() {
+/// A flat surface in one large tetrahedron.
+Template surface_in_a_tetrahedron() {
   Template templ = testing::make_template({.columns = 3, .rows = 3});
   Eigen::Matrix4d corners;
   corners << -9.0, 9.0, 0.0, 0.0, -9.0, 0.0, 9.0, 0.0, -9.0, 0.0, 0.0, 9.0, 1.0, 1.0, 1.0, 1.0;
@@ -38,15 +38,15 @@ Template sheet_in_a_tetrahedron() {
 }
 
 TEST(CheckTemplate, TakesASolidTemplate) {
-  const auto legal = check_template(*host::Record::copy_of(sheet_in_a_tetrahedron()));
+  const auto legal = check_template(*host::Record::copy_of(surface_in_a_tetrahedron()));
   EXPECT_TRUE(legal) << legal.error().message;
 }
 
 TEST(CheckTemplate, RefusesTetrahedraThatDoNotBelongToTheSurface) {
-  Template moved = sheet_in_a_tetrahedron();
+  Template moved = surface_in_a_tetrahedron();
   moved.vertices_m(4, 2) += 0.01;
   EXPECT_THAT(refusal(moved), HasSubstr("vertex_barycentric at index 4 puts the vertex 10.0"));
-  Template turned = sheet_in_a_tetrahedron();
+  Template turned = surface_in_a_tetrahedron();
   std::swap(turned.tetrahedra(0, 0), turned.tetrahedra(0, 1));
   EXPECT_THAT(refusal(turned), HasSubstr("tetrahedra at index 0 has a negative volume"));
 }
