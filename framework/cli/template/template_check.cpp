@@ -67,6 +67,11 @@ void print_check_json(const FirstLook& look, const Findings& findings) {
   for (const FlippedFit& fit : look.fits) {
     json["median_px"][to_string(fit.flip)] = fit.pose.median_px;
   }
+  if (look.charts) {
+    json["charts"] = {{"judged", look.charts->judged},
+                      {"unmatched", look.charts->unmatched},
+                      {"unmatched_share", look.charts->unmatched_share}};
+  }
   if (look.field) json["field"] = field_json(*look.field);
   if (findings.refitted) json["field_refitted"] = field_json(findings.refitted->after);
   print_json(json);
@@ -86,6 +91,10 @@ void print(const TemplateCheckOptions& options, const FirstLook& look, const Fin
         "residual  {:.2f} px (rms) of the texture in a smooth way, at most {:.2f} px at ({:.0f}, "
         "{:.0f}) px; matches scatter by {:.2f} px\n",
         field.rms_px, field.most_px, field.most_at_px.x(), field.most_at_px.y(), field.noise_px);
+  }
+  if (look.charts) {
+    fmt::print("charts    {} of {} that the image should show have matches\n",
+               look.charts->judged - look.charts->unmatched, look.charts->judged);
   }
   for (const std::string& fault : findings.faults) fmt::print("fault     {}\n", fault);
   for (const std::string& warning : findings.warnings) fmt::print("warning   {}\n", warning);

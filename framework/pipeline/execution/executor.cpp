@@ -7,6 +7,7 @@
 #include "pipeline/execution/checks.hpp"
 #include "pipeline/execution/compose.hpp"
 #include "pipeline/execution/stage_maker.hpp"
+#include "pipeline/execution/weak_reason.hpp"
 
 namespace weft {
 
@@ -361,9 +362,11 @@ Result<void> Executor::store(Stage& stage, const Outcome& outcome, FrameResult& 
 }
 
 void Executor::settle_shape(FrameResult& result) {
+  int settled = -1;
   for (std::size_t i = 0; i < graph_.values.size(); ++i) {
     if (graph_.values[i].slot == "shape" && result.values[i] != nullptr) {
       result.shape = result.values[i];
+      settled = static_cast<int>(i);
     }
   }
   if (result.shape != nullptr) {
@@ -379,6 +382,7 @@ void Executor::settle_shape(FrameResult& result) {
   const auto shape = host::arrays_of<Shape>(*result.shape);
   result.state = shape->shape_state();
   result.age_frames = shape->age_frames;
+  if (result.state == ShapeState::weak) result.reason = weak_reason(graph_, result, settled);
 }
 
 }  // namespace weft

@@ -76,11 +76,11 @@ struct FrameResult {
   host::PooledVector<host::SharedText> causes;  ///< one for each value: why it is absent, if it is
   host::RecordPtr shape;                        ///< solved or predicted; null before the first one
   ShapeState state = ShapeState::none;
-  std::int64_t age_frames = 0;        ///< [frames] since the shape was measured
-  host::Timings timings;              ///< timings of nested components too
-  std::vector<StageCall> calls;       ///< calls of the stages in Executor::keep_calls_of
-  NamedNumbers setup;                 ///< estimates of the run's set-up
-  std::string reason;                 ///< why the shape is less certain than its solver reports
+  std::int64_t age_frames = 0;   ///< [frames] since the shape was measured
+  host::Timings timings;         ///< timings of nested components too
+  std::vector<StageCall> calls;  ///< calls of the stages in Executor::keep_calls_of
+  NamedNumbers setup;            ///< estimates of the run's set-up
+  std::string reason;            ///< why the shape is weak, or less certain than its solver reports
   std::vector<std::string> warnings;  ///< warnings about the set-up, found out by now
   std::vector<std::string> changes;   ///< settings that hold from this frame on
 

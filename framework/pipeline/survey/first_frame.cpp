@@ -42,6 +42,19 @@ Result<host::RecordPtr> matches_in(const PipelineConfig& config, const Graph& gr
   return Error{Errc::no_result, "frame 0 has no matches: " + result.causes[to_index(value)].str()};
 }
 
+/// The matches of all frames that have some, which borrow from their records.
+Result<std::vector<Correspondences>> matches_of(const FirstFrame& first) {
+  std::vector<Correspondences> all;
+  std::vector<host::RecordPtr> records = first.others;
+  if (first.matches != nullptr) records.insert(records.begin(), first.matches);
+  for (const host::RecordPtr& record : records) {
+    auto matches = host::view_as<Correspondences>(*record);
+    if (!matches) return matches.error();
+    all.push_back(*std::move(matches));
+  }
+  return all;
+}
+
 }  // namespace
 
 Result<FirstFrame> look_at_first_frame(const PipelineConfig& config, const Graph& graph,
@@ -93,6 +106,9 @@ Result<FirstFrame> look_at_first_frame(const PipelineConfig& config, const Graph
     auto matches = matches_in(config, graph, context, first.templ, first.camera, other->input);
     if (matches) first.others.push_back(*std::move(matches));
   }
+  auto photographs = matches_of(first);
+  if (!photographs) return photographs.error();
+  first.look.charts = chart_matches(*templ, *camera, *photographs);
   return first;
 }
 

@@ -52,6 +52,15 @@ std::string flips_like(const FlippedFit& best, const std::vector<FlippedFit>& fi
   return flips + (count == 1 ? "; set that" : ", which fit alike; set one of them");
 }
 
+std::string unmatched_text(const ChartMatches& charts) {
+  return std::to_string(std::lround(100.0 * charts.unmatched_share)) +
+         " % of the object gets no match: " + std::to_string(charts.unmatched) + " of " +
+         std::to_string(charts.judged) +
+         " charts of the texture that the image should show are without matches; is their part of "
+         "the texture that of the object, and does the pipeline judge each chart "
+         "(filters/charts)?";
+}
+
 /// True if the texture coordinates fit the mirrored image too.
 bool mirrors_mesh_too(const FirstLook& look) {
   constexpr double kClearly = 2.0, kNoise_px = 1.0;
@@ -120,6 +129,17 @@ std::vector<FlippedFit> fit_flipped(const Template& templ, const Camera& camera,
   return fits;
 }
 
+std::optional<RestPose> pose_at_rest(const Template& templ, const Camera& camera,
+                                     const Correspondences& matches) {
+  const auto locator = FaceLocator::create(templ.flat_px.matrix<2>(), templ.faces.matrix<3>());
+  if (!locator) return std::nullopt;
+  const SeenPoints seen = seen_points(templ, *locator, matches, Flip::none);
+  const auto pose =
+      rest_pose({camera.fx, camera.fy, camera.cx, camera.cy}, seen.points_m, seen.pixels);
+  if (!pose) return std::nullopt;
+  return *pose;
+}
+
 std::optional<TextureResiduals> residuals_at_rest(const Template& templ, const Camera& camera,
                                                   const Correspondences& matches) {
   constexpr double kWide = 3.0, kLeast_px = 3.0;  // multiples of the robust scale
@@ -160,7 +180,7 @@ Template mirrored(const Template& templ) {
 
 std::vector<std::string> faults_of(const FirstLook& look) {
   constexpr std::int64_t kFewest = 30;
-  constexpr double kClearly = 2.0, kNoise_px = 1.0, kAtRest = 0.02;
+  constexpr double kClearly = 2.0, kNoise_px = 1.0, kAtRest = 0.02, kUnmatched = 0.2;
   std::vector<std::string> faults;
   const std::string kept = std::to_string(look.kept);
   if (look.kept_mirrored >= kFewest && look.kept_mirrored > 3 * look.kept) {
@@ -196,6 +216,9 @@ std::vector<std::string> faults_of(const FirstLook& look) {
                      " px off its matches (median), " + tenths(100.0 * given_px / look.size_px) +
                      " % of its size: the texture coordinates disagree with the mesh, or the frame "
                      "does not show it at rest, or the camera is another");
+  }
+  if (faults.empty() && look.charts && look.charts->unmatched_share >= kUnmatched) {
+    faults.push_back(unmatched_text(*look.charts));
   }
   return faults;
 }

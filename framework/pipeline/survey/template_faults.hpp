@@ -26,6 +26,16 @@ struct FlippedFit {
   RestPose pose;
 };
 
+/// How the matches of photographs are distributed over the charts of the texture. A chart is judged
+/// if it would have 8 matches, were all matches distributed evenly over what the photographs show
+/// of the object at rest. It is unmatched if it has less than a tenth of them. Charts that face
+/// away or are hidden are not judged.
+struct ChartMatches {
+  int judged = 0, unmatched = 0;  ///< [] numbers of charts
+  double unmatched_share =
+      0.0;  ///< [] of the visible part of the object, by its area in the images
+};
+
 /// Evidence of a frame that shows the object about at rest about its template.
 struct FirstLook {
   std::int64_t kept = 0;           ///< [] matches that filters left
@@ -36,7 +46,18 @@ struct FirstLook {
   std::vector<FlippedFit> fits_mirrored = {};
   /// Residuals of the fit as given, smooth in the texture.
   std::optional<ResidualField> field = {};
+  /// Only for a texture of several charts.
+  std::optional<ChartMatches> charts = {};
 };
+
+/// The pose of the object at rest by the kept matches; nothing where no pose explains them.
+std::optional<RestPose> pose_at_rest(const Template& templ, const Camera& camera,
+                                     const Correspondences& matches);
+
+/// The distribution of the kept matches of photographs, which show the object about at rest.
+/// Nothing for a texture of one chart, and where no pose explains the matches.
+std::optional<ChartMatches> chart_matches(const Template& templ, const Camera& camera,
+                                          const std::vector<Correspondences>& photographs);
 
 /// Fits the object to the kept matches, mirrored in each way.
 std::vector<FlippedFit> fit_flipped(const Template& templ, const Camera& camera,

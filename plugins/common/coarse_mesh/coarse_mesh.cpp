@@ -101,6 +101,11 @@ Template CoarseMesh::of(const Template& fine) const {
   coarse.vertices_m = vertices_m_;
   coarse.flat_px = flat_px_;
   coarse.faces = faces_;
+  coarse.welded_vertex = {};  // these arrays are of the fine vertices
+  coarse.nodes_m = {};
+  coarse.tetrahedra = {};
+  coarse.vertex_tetrahedron = {};
+  coarse.vertex_barycentric = {};
   coarse.revision = revision_;
   return coarse;
 }

@@ -72,6 +72,8 @@ class BartoliConformal final : public Solver {
     return degenerate(*std::move(shape), warp->degenerate_reason);
   }
 
+  bool joins_seams() const override { return false; }  // works in the plane of the texture
+
  private:
   solvers::WarpGrid grid_;
   double integration_smoothing_ = 0.01;

@@ -63,6 +63,8 @@ class BartoliIsometric final : public Solver {
     return degenerate(*std::move(shape), warp->degenerate_reason);
   }
 
+  bool joins_seams() const override { return false; }  // works in the plane of the texture
+
  private:
   solvers::WarpGrid grid_;
   int control_ = 12;

@@ -70,6 +70,8 @@ class BrunetRefine final : public Solver {
     return build_shape(in, *points, *refined);
   }
 
+  bool joins_seams() const override { return false; }  // works in the plane of the texture
+
  private:
   Result<void> prepare_template(const Template& templ) {
     if (templ.revision != 0 && templ.revision == revision_) return {};

@@ -83,6 +83,8 @@ class ChhatkuliStable final : public Solver {
     return degenerate(*std::move(shape), warp->degenerate_reason);
   }
 
+  bool joins_seams() const override { return false; }  // works in the plane of the texture
+
  private:
   static Result<void> check_points(std::size_t points, std::size_t on_mesh) {
     if (points < kFewestPoints) {

@@ -88,16 +88,25 @@ Result<Sightlines> CoarseProblem::sightlines(const Sightlines& fine, const Templ
   return coarse;
 }
 
-/// A point at a vertex that the coarse mesh lacks becomes one of the template.
+/// A point in a face, or at a vertex that the coarse mesh lacks, becomes one of the template.
 Result<KnownPoints> CoarseProblem::known_points(const KnownPoints& fine,
                                                 const Template& templ) const {
   KnownPoints coarse = fine;
   coarse.vertex = Array<std::int32_t>({fine.count()});
   coarse.template_xy_m = Array<double>({fine.count(), 2}, 0.0);
+  coarse.face = {};
+  coarse.barycentrics = {};
   for (std::int64_t p = 0; p < fine.count(); ++p) {
     const std::int32_t v = fine.vertex(p);
     const std::string name = "known point " + std::to_string(p);
-    if (v >= mesh_.fine_count() || v < -1 || (v < 0 && !fine.template_xy_m.present())) {
+    const bool in_face = v == -1 && fine.face.present() && fine.face(p) >= 0;
+    if (in_face && (fine.face(p) >= templ.faces.rows() || !fine.barycentrics.present())) {
+      return Error{Errc::invalid_data,
+                   name + " names face " + std::to_string(fine.face(p)) + " of a template with " +
+                       std::to_string(templ.faces.rows()) + ", and needs barycentrics"};
+    }
+    const bool is_placed = v >= 0 || in_face || fine.template_xy_m.present();
+    if (v >= mesh_.fine_count() || v < -1 || !is_placed) {
       return Error{Errc::invalid_data, name + " names vertex " + std::to_string(v) +
                                            " of a template with " +
                                            std::to_string(mesh_.fine_count())};
@@ -111,8 +120,17 @@ Result<KnownPoints> CoarseProblem::known_points(const KnownPoints& fine,
                        "its place is unknown: use the fine mesh"};
     }
     for (int axis = 0; axis < 2; ++axis) {
-      coarse.template_xy_m(p, axis) =
-          v < 0 ? fine.template_xy_m(p, axis) : templ.m_per_px(axis) * templ.flat_px(v, axis);
+      double& coordinate_m = coarse.template_xy_m(p, axis);
+      if (in_face) {
+        coordinate_m = 0.0;
+        for (int k = 0; k < 3; ++k) {
+          coordinate_m += fine.barycentrics(p, k) * templ.m_per_px(axis) *
+                          templ.flat_px(templ.faces(fine.face(p), k), axis);
+        }
+      } else {
+        coordinate_m =
+            v < 0 ? fine.template_xy_m(p, axis) : templ.m_per_px(axis) * templ.flat_px(v, axis);
+      }
     }
   }
   return coarse;

@@ -55,6 +55,8 @@ class CoarseToFine final : public Solver {
     return fine;
   }
 
+  bool joins_seams() const override { return false; }  // works in the plane of the texture
+
  private:
   static Diagnostics without_replaced(const Diagnostics& diagnostics) {
     Diagnostics left = diagnostics;

@@ -87,6 +87,8 @@ class CollinsIntegrated final : public Solver {
     return build_shape(in, *best);
   }
 
+  bool joins_seams() const override { return false; }  // works in the plane of the texture
+
  private:
   static FitOptions read_options(Params& p) {
     FitOptions options;

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/known_surface.hpp>
 #include <weft/geometry/types.hpp>
 
 #include "common/cholesky/block_cholesky.hpp"
+#include "common/measurement.hpp"
 #include "mesh/mesh_model.hpp"
 #include "outline/mask_outline.hpp"
 #include "outline/outline_term.hpp"
@@ -21,25 +20,8 @@ namespace weft::gauss_newton {
 
 using solvers::BlockCholesky;
 using solvers::BlockMatrix;
-
-/// W of a covariance (W^T W)^-1: where e has that covariance, W e has the standard deviation 1 in
-/// each direction.
-struct Whitening {
-  double xx = 0.0, yx = 0.0, yy = 0.0;  ///< 1/px, of the lower triangle
-
-  /// With the same standard deviation along u and v.
-  static Whitening of_deviation(double deviation_px) {
-    return {1.0 / deviation_px, 0.0, 1.0 / deviation_px};
-  }
-  /// From a covariance [[uu, uv], [uv, vv]], px^2; nothing where that is not positive definite.
-  static std::optional<Whitening> of_covariance(double uu, double uv, double vv) {
-    const double u = std::sqrt(uu), along = uv / u, v = std::sqrt(vv - along * along);
-    const Whitening white{1.0 / u, -along / (u * v), 1.0 / v};
-    const double least = std::min(white.xx, white.yy);
-    if (!(least > 0.0) || !std::isfinite(white.xx + white.yx + white.yy)) return std::nullopt;
-    return white;
-  }
-};
+using solvers::Trust;
+using solvers::Whitening;
 
 /// A point in a face and where it was seen.
 struct Observation {
@@ -62,31 +44,6 @@ struct FrameData {
   std::vector<KnownSurfacePoint> spheres;
   MaskOutline outline;                ///< absent without a mask
   std::vector<std::uint8_t> covered;  ///< [V] 1 for vertices that something hides; or empty
-};
-
-/// The energy of an observation with a residual of r standard deviations: r^2 where r is small.
-/// Beyond `scale` it is about 2 scale r (Huber), or at most scale^2 (Geman and McClure). The latter
-/// ignores outliers but needs a good initial shape.
-struct Trust {
-  double scale = 1.0;       ///< [] standard deviations
-  bool redescends = false;  ///< [] Geman and McClure's, else Huber's
-
-  /// Adds to the energy; returns the weight of the observation in least squares.
-  double weight(double r2, double& energy) const {
-    const double scale2 = scale * scale;
-    if (redescends) {
-      const double share = scale2 / (scale2 + r2);
-      energy += r2 * share;
-      return share * share;
-    }
-    if (r2 <= scale2) {
-      energy += r2;
-      return 1.0;
-    }
-    const double r = std::sqrt(r2);
-    energy += scale * (2.0 * r - scale);
-    return scale / r;
-  }
 };
 
 /// How far things are usually off: standard deviations.

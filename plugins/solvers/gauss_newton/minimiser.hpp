@@ -4,30 +4,18 @@
 #include <weft/core/result.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "common/cholesky/block_cholesky.hpp"
+#include "common/damped_newton.hpp"
 #include "energy.hpp"
 #include "mesh/mesh_model.hpp"
 
 namespace weft::gauss_newton {
 
-struct MinimiserOptions {
-  int max_iterations = 30;    ///< []
-  double tolerance_m = 1e-6;  ///< [] m, rms step at which to stop
-};
+using solvers::MinimiserOptions;
+using solvers::MinimiserResult;
+using solvers::Stop;
 
-/// Why the iteration ended.
-enum class Stop { converged = 0, stalled = 1, iterations = 2, not_finite = 3 };
-
-struct MinimiserResult {
-  Stop stop = Stop::iterations;
-  int iterations = 0;        ///< [] factorisations
-  double last_step_m = 0.0;  ///< [] m, rms over the vertices
-  double energy = 0.0;       ///< []
-};
-
-/// Gauss-Newton with Levenberg's damping. Each iteration reads the curvatures of the shape, solves
-/// (H + damping I) step = -g and takes the step if the energy falls; then it damps less, or else
-/// more. The result depends on the arguments alone; nothing is allocated.
+/// Minimises the energy of a mesh by DampedNewton. Each iteration reads the curvatures of the shape
+/// and finds its rim anew.
 class Minimiser {
  public:
   /// Structure and memory for a mesh, which must outlive it. Fails where that is too large.
@@ -38,16 +26,11 @@ class Minimiser {
                       const MinimiserOptions& options, Points3& vertices_m);
 
   Energy& energy() { return energy_; }
-  BlockCholesky& factor() { return factor_; }
+  BlockCholesky& factor() { return newton_.factor(); }
 
  private:
-  double length_of_step(const FrameData& frame, const Expectation& expected, const Scales& scales,
-                        double energy_here);
-
   Energy energy_;
-  BlockMatrix matrix_;
-  BlockCholesky factor_;
-  Points3 gradient_, step_m_, tried_m_;  ///< [V,3]
+  solvers::DampedNewton newton_;
 };
 
 }  // namespace weft::gauss_newton

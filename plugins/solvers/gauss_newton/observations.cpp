@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
@@ -17,14 +16,6 @@ namespace {
 
 Error mistake(const std::string& what, std::int64_t i, const std::string& problem) {
   return {Errc::invalid_data, what + " " + std::to_string(i) + " " + problem};
-}
-
-/// From a covariance [2,2] px^2 plus noise along u and v.
-std::optional<Whitening> whitening(const double* covariance_px2, double noise2_px2) {
-  const double uv = 0.5 * (covariance_px2[1] + covariance_px2[2]);
-  if (!(covariance_px2[0] >= 0.0 && covariance_px2[3] >= 0.0)) return std::nullopt;
-  return Whitening::of_covariance(covariance_px2[0] + noise2_px2, uv,
-                                  covariance_px2[3] + noise2_px2);
 }
 
 }  // namespace
@@ -76,7 +67,7 @@ Result<void> ObservationReader::add_matches(const Correspondences& matches, cons
     seen.seen_px = {matches.image_px(i, 0), matches.image_px(i, 1)};
     seen.white = alike;
     if (matches.covariance_px2.present()) {
-      const auto white = whitening(matches.covariance_px2.row(i), noise2);
+      const auto white = Whitening::of_measured(matches.covariance_px2.row(i), noise2);
       if (!white) return mistake("match", i, "has no positive definite covariance: leave it out");
       seen.white = *white;
     }

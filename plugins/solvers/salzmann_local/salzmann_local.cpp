@@ -59,6 +59,8 @@ class SalzmannLocal final : public Solver {
     return shape;
   }
 
+  bool joins_seams() const override { return false; }  // works in the plane of the texture
+
  private:
   bool has_prior() const { return prior_weight_px_ > 0.0; }
 

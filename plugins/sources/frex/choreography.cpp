@@ -2,6 +2,7 @@
 #include "choreography.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <weft/core/index.hpp>
 #include <weft/geometry/rigid_alignment.hpp>
@@ -62,10 +63,12 @@ class BentCurve {
 
 }  // namespace
 
-double Choreography::Sway::at(double phase) const { return amplitude * std::sin(speed * phase); }
-
 Choreography::Choreography(const MotionSettings& settings, const RestSheet& sheet)
+    : Choreography(settings, sheet, scene::random_stream(settings.seed, kMotionStream)) {}
+
+Choreography::Choreography(const MotionSettings& settings, const RestSheet& sheet, Rng rng)
     : settings_(settings),
+      sways_(settings, rng),
       in_hand_(sheet.in_hand),
       centred_m_(sheet.rest_m.leftCols<2>()),
       behind_m_(sheet.rest_m.col(2)) {
@@ -84,13 +87,6 @@ Choreography::Choreography(const MotionSettings& settings, const RestSheet& shee
   if (settings_.pattern == Pattern::handles) {
     handles_.emplace(settings_.bend, settings_.seed);
   }
-  Rng rng = scene::random_stream(settings_.seed, kMotionStream);
-  const double tilt = settings_.tilt_rad, travel = settings_.travel_m;
-  const std::array<double, 6> largest{0.8 * tilt, tilt, 0.6 * tilt, travel, 0.6 * travel, travel};
-  for (std::size_t k = 0; k < sway_.size(); ++k) {
-    const double sign = rng.below(2) == 0 ? -1.0 : 1.0;
-    sway_[k] = {sign * largest[k] * rng.uniform(0.6, 1.0), rng.uniform(0.55, 1.2)};
-  }
   sign_ = rng.below(2) == 0 ? -1.0 : 1.0;
   ruling_rad_ = rng.uniform(-0.35, 0.35);
   if (settings_.pattern == Pattern::corner_fold) {
@@ -107,7 +103,7 @@ Choreography::Choreography(const MotionSettings& settings, const RestSheet& shee
   if (section_) ruling_rad_ = section_->ruling_rad();
 }
 
-double Choreography::phase_at(double t_s) const { return 2.0 * M_PI * t_s / settings_.period_s; }
+double Choreography::phase_at(double t_s) const { return sways_.phase_at(t_s); }
 
 double Choreography::share_at(double t_s) const {
   return 0.5 * settings_.bend * (1.0 - std::cos(phase_at(t_s)));
@@ -116,18 +112,6 @@ double Choreography::share_at(double t_s) const {
 /// The size of growing patterns: from 0 to their full size in one period.
 double Choreography::grown_at(double t_s) const {
   return settings_.bend * eased(std::min(1.0, t_s / settings_.period_s));
-}
-
-Eigen::Isometry3d Choreography::pose_at(double t_s) const {
-  const double phase = phase_at(t_s);
-  const auto sway = [&](std::size_t first) {
-    return Eigen::Vector3d(sway_[first].at(phase), sway_[first + 1].at(phase),
-                           sway_[first + 2].at(phase));
-  };
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = rotation_of(sway(0));
-  pose.translation() = sway(3) + Eigen::Vector3d(0.0, 0.0, settings_.distance_m);
-  return pose;
 }
 
 /// Strain along x is largest in the middle column and fades to the sides; the map of the plane onto
@@ -250,7 +234,7 @@ Points3 Choreography::surface_at(double t_s) const {
 
 std::vector<scene::ClothGuide> Choreography::guides_at(double t_s) const {
   const Points3 surface = surface_at(t_s);
-  const Eigen::Isometry3d pose = pose_at(t_s);
+  const Eigen::Isometry3d pose = sways_.pose_at(t_s);
   std::vector<scene::ClothGuide> guides;
   guides.reserve(to_index(surface.rows()));
   for (Eigen::Index v = 0; v < surface.rows(); ++v) {

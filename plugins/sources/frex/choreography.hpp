@@ -2,9 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
-#include <array>
-#include <cstdint>
 #include <optional>
 #include <vector>
 #include <weft/core/rng.hpp>
@@ -12,6 +9,7 @@
 
 #include "common/scene/cloth.hpp"
 #include "cross_section.hpp"
+#include "film/sways.hpp"
 #include "handle_pair.hpp"
 #include "rest_sheet.hpp"
 
@@ -20,15 +18,10 @@ namespace weft::frex {
 /// The deformation of the surface.
 enum class Pattern { roll, s_bend, corner_fold, wave, handles, bulge, folds };
 
-struct MotionSettings {
+struct MotionSettings : SwaySettings {
   Pattern pattern = Pattern::wave;
-  double bend = 1.0;        ///< [] size of the deformation, 1 is usual
-  double stretch = 0.0;     ///< [] largest elastic strain
-  double distance_m = 0.6;  ///< [] m, from the camera to the middle of the surface
-  double tilt_rad = 0.3;    ///< [] rad, largest turn about each axis
-  double travel_m = 0.02;   ///< [] m, largest displacement to the side
-  double period_s = 4.0;    ///< [] s, from flat to flat
-  std::uint64_t seed = 1;   ///< chooses directions, signs and speeds
+  double bend = 1.0;     ///< [] size of the deformation, 1 is usual
+  double stretch = 0.0;  ///< [] largest elastic strain
 };
 
 /// The target places of a surface and its lengths at each time. At time 0 it is at rest and faces
@@ -49,16 +42,10 @@ class Choreography {
   Points3 start() const;
 
  private:
-  /// A sine of time that starts at 0.
-  struct Sway {
-    double amplitude, speed;
-    double at(double phase) const;
-  };
-
+  Choreography(const MotionSettings& settings, const RestSheet& sheet, Rng rng);
   double share_at(double t_s) const;
   double grown_at(double t_s) const;
   double phase_at(double t_s) const;
-  Eigen::Isometry3d pose_at(double t_s) const;
   Points2 stretched(double t_s) const;
   double extent_m(double ruling_rad) const;
   double curvature_per_m(double s_m, double t_s, const HandlePair::Pose& hands) const;
@@ -68,16 +55,16 @@ class Choreography {
   Points3 surface_at(double t_s) const;
 
   MotionSettings settings_;
+  Sways sways_;
   std::vector<bool> in_hand_;  ///< [V]
   std::optional<CrossSection> section_;
-  Points2 centred_m_;           ///< [V,2] surface at rest, unrolled if it has a cross-section,
-                                ///< measured from its middle
-  Points3 rest_m_;              ///< [V,3] surface at rest if it has a cross-section, else empty
-  Eigen::VectorXd behind_m_;    ///< [V] how far it is behind the plane; 0 for a flat surface
-  Eigen::Vector2d half_m_;      ///< half its width and height
-  std::array<Sway, 6> sway_{};  ///< rotation about x, y, z and displacement along them
-  double ruling_rad_ = 0.0;     ///< direction across which the surface is curved
-  double sign_ = 1.0;           ///< which way it is curved
+  Points2 centred_m_;         ///< [V,2] surface at rest, unrolled if it has a cross-section,
+                              ///< measured from its middle
+  Points3 rest_m_;            ///< [V,3] surface at rest if it has a cross-section, else empty
+  Eigen::VectorXd behind_m_;  ///< [V] how far it is behind the plane; 0 for a flat surface
+  Eigen::Vector2d half_m_;    ///< half its width and height
+  double ruling_rad_ = 0.0;   ///< direction across which the surface is curved
+  double sign_ = 1.0;         ///< which way it is curved
   Eigen::Vector2d apex_m_ = Eigen::Vector2d::Zero();  ///< from which folds run, from the middle
   double folds_rad_ = 0.0;                            ///< where they begin in their period
   std::optional<HandlePair> handles_;

@@ -49,6 +49,7 @@ Eigen::RowVector2d middle_of(const Points2& points) {
 }  // namespace
 
 std::optional<CrossSection> CrossSection::of(const RestSheet& sheet) {
+  if (!sheet.is_unrolled) return std::nullopt;
   const auto straight = straight_direction(sheet);
   const auto topology = build_topology(sheet.faces, sheet.rest_m.rows());
   if (!straight || !topology) return std::nullopt;

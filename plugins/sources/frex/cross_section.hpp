@@ -17,7 +17,8 @@ namespace weft::frex {
 class CrossSection {
  public:
   /// The rest shape has to be straight along one direction of its texture and to unroll to its
-  /// template points. Returns nothing for flat surfaces and for those that are curved both ways.
+  /// template points. Returns nothing for flat surfaces, for those that are curved both ways, and
+  /// for those with seams.
   static std::optional<CrossSection> of(const RestSheet& sheet);
 
   /// Direction of the template across which the surface is curved.

@@ -15,15 +15,8 @@ void RectangleSettings::read(Params& p) {
   p.read("rows", rows, "", {3, 400}, "number of vertices of the simulated mesh along the height");
 }
 
-void Settings::read(Params& p) {
-  p.read("frames", frames, "", {1, 10000}, "number of frames");
-  p.read("fps", fps, "1/s", {1.0, 1000.0}, "frame rate");
-  p.read("image_width_px", camera.width_px, "px", {16, 8192}, "width of the images");
-  p.read("image_height_px", camera.height_px, "px", {16, 8192}, "height of the images");
-  p.read("focal_px", camera.fx, "px", {1.0, 100000.0}, "focal length");
-  p.read("distance_m", motion.distance_m, "m", {0.01, 1000.0},
-         "distance from the camera to the centre of the surface");
-  p.choice("pattern", motion.pattern,
+void PatternSettings::read(Params& p) {
+  p.choice("pattern", pattern,
            {{"roll", Pattern::roll},
             {"s_bend", Pattern::s_bend},
             {"corner_fold", Pattern::corner_fold},
@@ -32,14 +25,39 @@ void Settings::read(Params& p) {
             {"bulge", Pattern::bulge},
             {"folds", Pattern::folds}},
            "deformation pattern");
-  p.read("bend", motion.bend, "", {0.0, 1.5}, "size of the deformation, relative to the usual one");
-  p.read("stretch", motion.stretch, "", {0.0, 0.2},
+  p.read("bend", bend, "", {0.0, 1.5}, "size of the deformation, relative to the usual one");
+  p.read("stretch", stretch, "", {0.0, 0.2},
          "maximum elastic strain along the width; 0: no stretching");
-  p.read("tilt_rad", motion.tilt_rad, "rad", {0.0, 1.5},
+}
+
+MotionSettings PatternSettings::with(const SwaySettings& sways) const {
+  MotionSettings motion;
+  static_cast<SwaySettings&>(motion) = sways;
+  motion.pattern = pattern;
+  motion.bend = bend;
+  motion.stretch = stretch;
+  return motion;
+}
+
+void Settings::read_camera(Params& p) {
+  p.read("frames", frames, "", {1, 10000}, "number of frames");
+  p.read("fps", fps, "1/s", {1.0, 1000.0}, "frame rate");
+  p.read("image_width_px", camera.width_px, "px", {16, 8192}, "width of the images");
+  p.read("image_height_px", camera.height_px, "px", {16, 8192}, "height of the images");
+  p.read("focal_px", camera.fx, "px", {1.0, 100000.0}, "focal length");
+  p.read("distance_m", sways.distance_m, "m", {0.01, 1000.0},
+         "distance from the camera to the centre of the surface");
+}
+
+void Settings::read_movement(Params& p) {
+  p.read("tilt_rad", sways.tilt_rad, "rad", {0.0, 1.5},
          "maximum rotation of the whole surface about each axis");
-  p.read("travel_m", motion.travel_m, "m", {0.0, 1000.0},
+  p.read("travel_m", sways.travel_m, "m", {0.0, 1000.0},
          "maximum displacement of the whole surface to the side");
-  p.read("period_s", motion.period_s, "s", {0.1, 10000.0}, "time from flat to flat");
+  p.read("period_s", sways.period_s, "s", {0.1, 10000.0}, "time from rest to rest");
+}
+
+void Settings::read_looks(Params& p) {
   p.choice("background", background,
            {{"plain", Background::plain},
             {"clutter", Background::clutter},
@@ -69,7 +87,7 @@ void Settings::read(Params& p) {
   std::int64_t seed = 1;
   p.read("seed", seed, "", {0, 9007199254740992.0},
          "seed of movement, light, background and noise, independent of the run's seed");
-  motion.seed = static_cast<std::uint64_t>(seed);
+  sways.seed = static_cast<std::uint64_t>(seed);
 }
 
 Result<void> Settings::check_frames(const char* name,

@@ -9,6 +9,7 @@
 
 #include "choreography.hpp"
 #include "degradation.hpp"
+#include "film/sways.hpp"
 
 namespace weft::frex {
 
@@ -26,12 +27,23 @@ struct RectangleSettings {
   void read(Params& p);
 };
 
-/// The parameters of a film, for any surface.
+/// The parameters of a pattern.
+struct PatternSettings {
+  Pattern pattern = MotionSettings{}.pattern;
+  double bend = MotionSettings{}.bend;
+  double stretch = MotionSettings{}.stretch;
+
+  /// Declares or reads all of them.
+  void read(Params& p);
+  MotionSettings with(const SwaySettings& sways) const;
+};
+
+/// The parameters of a film, for any object.
 struct Settings {
   std::int64_t frames = 60;
   double fps = 30.0;
   Camera camera{820.0, 820.0, 0.0, 0.0, 640, 480};
-  MotionSettings motion;
+  SwaySettings sways;
   Background background = Background::plain;
   std::string background_path;
   double copy_size = 0.55;
@@ -46,14 +58,24 @@ struct Settings {
   bool dense_truth = true;
   bool mask = false;
 
-  /// Declares or reads all of them.
-  void read(Params& p);
+  /// Declares or reads them in the order of the tables: `read_deformation` does so with those of
+  /// the deformation in between.
+  template <class ReadDeformation>
+  void read(Params& p, const ReadDeformation& read_deformation) {
+    read_camera(p);
+    read_deformation(p);
+    read_movement(p);
+    read_looks(p);
+  }
   /// Checks the rules that a range cannot express: returns the first error, or all of them and
   /// those of the files.
   Result<void> check() const;
   void check(Mistakes& mistakes) const;
 
  private:
+  void read_camera(Params& p);
+  void read_movement(Params& p);
+  void read_looks(Params& p);
   Result<void> check_frames(const char* name, const std::vector<std::int64_t>& values) const;
   Result<void> check_background() const;
 };

@@ -1,43 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <vector>
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/sdk/call.hpp>
 
 #include "choreography.hpp"
+#include "film/film.hpp"
+#include "film/welding.hpp"
 
 namespace weft::frex {
 
-/// One moment of the surface.
-struct SheetState {
-  Points3 vertices_m;            ///< [V,3] m, camera frame
-  double residual_strain = 0.0;  ///< [] largest of an edge against the length that it should have
-  StrainStatistics true_strain;  ///< strain of the edges against the surface at rest: elasticity
-                                 ///< and residue
-};
-
 /// The simulated surface, frame after frame. It simulates and keeps all frames before a requested
 /// one, so that each frame is the same for any order of requests.
-class SheetFilm {
+///
+/// A surface with seams is simulated with one vertex for each place. If it is no disc or far from
+/// developable, such as a can or a cushion, its lengths let it bend only a little. It is then not
+/// simulated: it moves rigidly along with the pattern and is bent as far as no edge is strained by
+/// more than 0.15 %.
+class SheetFilm final : public Film {
  public:
-  static Result<SheetFilm> create(const MotionSettings& settings, const RestSheet& sheet,
-                                  double fps);
+  static Result<std::unique_ptr<Film>> create(const MotionSettings& settings,
+                                              const RestSheet& sheet, double fps);
 
-  /// Frame `index` from 0, valid until the next call. Fails when the surface cannot follow, or as
-  /// soon as the call is cancelled.
-  Result<const SheetState*> at(std::int64_t index, const Call& call);
+  Result<const FilmState*> at(std::int64_t index, const Call& call) override;
 
  private:
   SheetFilm(Choreography choreography, scene::Cloth cloth,
-            std::vector<DistanceConstraint> rest_edges, double fps);
-  SheetState state_now() const;
+            std::vector<DistanceConstraint> rest_edges, double fps, std::optional<Welding> welding,
+            bool is_stiff);
+  static Result<std::unique_ptr<Film>> create_welded(const MotionSettings& settings,
+                                                     const RestSheet& sheet, double fps,
+                                                     std::optional<Welding> welding);
+  Result<FilmState> simulated(double t_s);
+  Result<FilmState> hardly_bent(double t_s) const;
+  FilmState state_of(const Points3& places_m, double residual_strain) const;
 
   Choreography choreography_;
   scene::Cloth cloth_;
   std::vector<DistanceConstraint> rest_edges_;
   double fps_;
-  std::vector<SheetState> states_;
+  std::optional<Welding> welding_;  ///< for a surface with seams
+  bool is_stiff_;                   ///< not simulated
+  std::vector<FilmState> states_;
 };
 
 }  // namespace weft::frex

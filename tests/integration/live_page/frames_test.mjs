@@ -130,6 +130,9 @@ test("news has another topic, numbers alone have not", () => {
   const topic = (state, confidence) => state_words({ state, confidence, stages: [] }).topic;
   assert.equal(topic("estimated", 0.9), topic("estimated", 0.8));
   assert.notEqual(topic("estimated", 0.9), topic("lost", 0.9));
+  const because = (reason) => state_words({ state: "weak", reason, stages: [] }).topic;
+  assert.equal(because("weak: confidence 0.04 is below 0.5"), topic("weak", 0.04));
+  assert.notEqual(because("the focal length seems to be 0.77"), topic("weak", 0.04));
 });
 
 test("a probability is never rounded to certainty", () => {

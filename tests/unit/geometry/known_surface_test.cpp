@@ -82,5 +82,56 @@ TEST(KnownSurface, WhatIsNoPointOfTheSurfaceIsNamed) {
   EXPECT_THAT(mistake_in(one_point(-1), templ), HasSubstr("not flat: name a vertex"));
 }
 
+/// One known point in a face, without a place in the plane of the template.
+KnownPoints one_point_in_face(std::int32_t face, const Eigen::RowVector3d& weights) {
+  KnownPoints known = one_point(-1);
+  known.template_xy_m = {};
+  known.face = Array<std::int32_t>({1}, face);
+  known.barycentrics = make_array<double>(weights);
+  return known;
+}
+
+TEST(KnownSurface, APointInAFaceIsThatPointOnAnyShape) {
+  Template templ = testing::make_template();
+  templ.m_per_px = {};  // a face needs no plane
+  const Points3 bent_m = testing::bent_vertices(templ, testing::make_cylinder({}, 0.25, 0.3));
+  const auto points = known_surface_points(one_point_in_face(5, {0.2, 0.5, 0.3}), templ, 0.005);
+  ASSERT_TRUE(points) << points.error().message;
+  const auto faces = templ.faces.matrix<3>();
+  const Eigen::RowVector3d expected_m =
+      0.2 * bent_m.row(faces(5, 0)) + 0.5 * bent_m.row(faces(5, 1)) + 0.3 * bent_m.row(faces(5, 2));
+  EXPECT_EQ(points->front().face, 5);
+  EXPECT_LT((points->front().on(bent_m).transpose() - expected_m).norm(), 1e-15);
+  const auto corner = known_surface_points(one_point_in_face(5, {0.0, 1.0, 0.0}), templ, 0.005);
+  ASSERT_TRUE(corner);
+  EXPECT_EQ(corner->front().vertex, faces(5, 1));
+}
+
+TEST(KnownSurface, AFaceReplacesThePlaceInThePlane) {
+  const Template templ = testing::make_template();
+  KnownPoints known = one_point_in_face(5, {0.2, 0.5, 0.3});
+  known.template_xy_m = Array<double>({1, 2}, 1e6);
+  const auto points = known_surface_points(known, templ, 0.005);
+  ASSERT_TRUE(points) << points.error().message;
+  EXPECT_EQ(points->front().face, 5);
+  known.face(0) = -1;
+  EXPECT_THAT(mistake_in(known, templ), HasSubstr("beside the template"));
+}
+
+TEST(KnownSurface, MistakesInAFaceHaveTheirPoint) {
+  const Template templ = testing::make_template();
+  const auto mistake = [&](std::int32_t face, const Eigen::RowVector3d& weights) {
+    return mistake_in(one_point_in_face(face, weights), templ);
+  };
+  EXPECT_THAT(mistake(100000, {0.2, 0.5, 0.3}), HasSubstr("known point 0 names face 100000"));
+  EXPECT_THAT(mistake(1, {0.2, 0.5, 0.2}), HasSubstr("sum must be 1"));
+  EXPECT_THAT(mistake(1, {2.0, -0.6, -0.4}), HasSubstr("at least -0.5"));
+  EXPECT_THAT(mistake(1, {0.2, std::nan(""), 0.3}), HasSubstr("sum must be 1"));
+  EXPECT_THAT(mistake(-1, {0.2, 0.5, 0.3}), HasSubstr("names vertex -1"));
+  KnownPoints bare = one_point_in_face(1, {0.2, 0.5, 0.3});
+  bare.barycentrics = {};
+  EXPECT_THAT(mistake_in(bare, templ), HasSubstr("'barycentrics' is absent"));
+}
+
 }  // namespace
 }  // namespace weft

@@ -147,6 +147,35 @@ TEST(StateOfAShape, IsEstimatedOnlyWhereAllEvidenceSaysSo) {
   EXPECT_EQ(state_of({}, 0.4), ShapeState::weak) << "neither is wired";
 }
 
+TEST(StateOfAShape, SaysWhichCriterionAWeakShapeFails) {
+  EXPECT_EQ(why_weak({142, 100, 0.6, 30}, 0.9), "");
+  EXPECT_EQ(why_weak({}, 0.9), "");
+  EXPECT_EQ(why_weak({40, 12, 0.6, 30}, 0.9),
+            "weak: only 12 of 40 matches agree with the shape, 30 are needed");
+  EXPECT_EQ(why_weak({1000, 100, 0.6, 30}, 0.9),
+            "weak: only 100 of 1000 matches agree with the shape, 250 are needed");
+  EXPECT_EQ(why_weak({6, 6, 0.6, 8}, 0.9),
+            "weak: only 6 of 6 sightlines agree with the shape, 8 are needed");
+  EXPECT_EQ(why_weak({142, 100, 0.1899, 30}, 0.9),
+            "weak: the agreeing matches cover 18 % of the visible surface, 25 % are needed");
+  EXPECT_EQ(why_weak({142, 100, 0.6, 30}, 0.0449), "weak: confidence 0.04 is below 0.5");
+  EXPECT_EQ(why_weak({}, 0.4999), "weak: confidence 0.49 is below 0.5");
+  EXPECT_EQ(why_weak({}, std::nan("")), "weak: confidence 0.00 is below 0.5");
+}
+
+TEST(StateOfAShape, IsWeakWhereThereIsAReason) {
+  Rng rng(kSeed);
+  for (int i = 0; i < 1000; ++i) {
+    const int kept = static_cast<int>(rng.below(300));
+    const ShapeEvidence evidence{kept,
+                                 static_cast<int>(rng.below(static_cast<std::uint32_t>(kept) + 1)),
+                                 rng.uniform(0.0, 1.0), i % 3 == 0 ? 0 : (i % 3 == 1 ? 8 : 30)};
+    const double confidence = rng.uniform(0.0, 1.0);
+    EXPECT_EQ(why_weak(evidence, confidence).empty(),
+              state_of(evidence, confidence) == ShapeState::estimated);
+  }
+}
+
 TEST(ConfidenceOfFilters, IsOneUnlessAFilterSaidLess) {
   EXPECT_EQ(confidence_of_filters(std::nullopt), 1.0);
   Correspondences matches = Scene(1).matches;

@@ -16,6 +16,9 @@
 
 namespace weft {
 
+/// Agreeing measurements that a shape needs to be `estimated`.
+inline constexpr int kNeededMatches = 30, kNeededSightlines = 8;
+
 /// Evidence for a shape: measurements in a frame and the part that the shape explains.
 struct ShapeEvidence {
   int kept = 0;           ///< [] matches kept by filters; sightlines if no matches are connected
@@ -25,9 +28,49 @@ struct ShapeEvidence {
       0;  ///< [] required agreeing count: 30 matches, 8 sightlines; 0 if neither is connected
 };
 
+namespace detail {
+
+/// Returns whether no view shows all faces of a template at rest: two of its faces turn away from
+/// each other, as those of a box, a cylinder or a scanned object.
+inline bool turns_away(const Template& templ) {
+  constexpr double kLeastCosine = -0.1;  // beyond noise of a right angle
+  const auto& places_m = templ.vertices_m;
+  bool is_level = true;
+  for (std::int64_t v = 1; v < places_m.rows() && is_level; ++v) {
+    is_level = places_m(v, 2) == places_m(0, 2);
+  }
+  std::array<double, 3> first{};
+  double first2 = 0.0;
+  for (std::int64_t f = 0; f < templ.faces.rows() && !is_level; ++f) {
+    std::array<std::array<double, 3>, 2> sides;
+    for (const std::int64_t k : {0, 1}) {
+      for (const std::int64_t axis : {0, 1, 2}) {
+        sides[to_index(k)][to_index(axis)] =
+            places_m(templ.faces(f, k + 1), axis) - places_m(templ.faces(f, 0), axis);
+      }
+    }
+    const auto& [a, b] = sides;
+    const std::array normal{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                            a[0] * b[1] - a[1] * b[0]};
+    const double length2 = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
+    if (!(length2 > 0.0)) continue;
+    if (first2 == 0.0) first = normal, first2 = length2;
+    const double dot = first[0] * normal[0] + first[1] * normal[1] + first[2] * normal[2];
+    if (dot < kLeastCosine * std::sqrt(first2 * length2)) return true;
+  }
+  return false;
+}
+
+}  // namespace detail
+
 /// Gathers the evidence for one shape. Coverage is counted in square texture cells, twelve along
 /// the template's diagonal, independent of the mesh. A cell counts if a corner or the centre of a
 /// front face in the image lies in it. Coverage is the share of these cells with an agreeing match.
+///
+/// If some faces of the template turn away from others at rest, neighbours in the texture can be on
+/// opposite sides of the object. The cells are then cubes around the surface at rest, and only
+/// matches in front faces agree: what faces away from the camera is neither required nor evidence.
+///
 /// Vertices are any [V,3] with operator()(i, j): an array or a matrix. The header does not include
 /// Eigen, because all solvers read it.
 template <class Vertices>
@@ -39,25 +82,30 @@ class EvidenceCount {
   /// `vertices_m` [V,3] m, camera frame, are the template's vertices. All arguments must outlive
   /// the object.
   EvidenceCount(const Template& templ, const Camera& camera, const Vertices& vertices_m)
-      : faces_(templ.faces), flat_px_(templ.flat_px), camera_(camera), vertices_m_(vertices_m) {
-    Place2 high_px{};
-    for (std::int64_t v = 0; v < flat_px_.rows(); ++v) {
-      for (const int axis : {0, 1}) {
-        double& low = low_px_[to_index(axis)];
-        double& high = high_px[to_index(axis)];
-        low = v == 0 ? flat_px_(v, axis) : std::min(low, flat_px_(v, axis));
-        high = v == 0 ? flat_px_(v, axis) : std::max(high, flat_px_(v, axis));
+      : turns_away_(detail::turns_away(templ)),
+        faces_(templ.faces),
+        places_(turns_away_ ? templ.vertices_m : templ.flat_px),
+        camera_(camera),
+        vertices_m_(vertices_m) {
+    Place3 high{};
+    for (std::int64_t v = 0; v < places_.rows(); ++v) {
+      const Place3 place = place_of(v);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        low_[axis] = v == 0 ? place[axis] : std::min(low_[axis], place[axis]);
+        high[axis] = v == 0 ? place[axis] : std::max(high[axis], place[axis]);
       }
     }
-    const Place2 size_px{high_px[0] - low_px_[0], high_px[1] - low_px_[1]};
-    cell_px_ = std::max(length(size_px[0], size_px[1]) / kCellsAlongDiagonal, 1e-9);
-    columns_ = cell_along(size_px[0]) + 1;
-    cells_.assign(to_index(columns_ * (cell_along(size_px[1]) + 1)), kNothing);
+    const Place3 size{high[0] - low_[0], high[1] - low_[1], high[2] - low_[2]};
+    const double diagonal = std::sqrt(size[0] * size[0] + size[1] * size[1] + size[2] * size[2]);
+    cell_ = std::max(diagonal / kCellsAlongDiagonal, 1e-9);
+    columns_ = cell_along(size[0]) + 1;
+    rows_ = cell_along(size[1]) + 1;
+    cells_.assign(to_index(columns_ * rows_ * (cell_along(size[2]) + 1)), kNothing);
     mark_seen();
   }
 
   ShapeEvidence of(const Correspondences& matches) {
-    evidence_.needed = 30;
+    evidence_.needed = kNeededMatches;
     for (std::int64_t i = 0; i < matches.count(); ++i) {
       if (matches.kept(i) == 0) continue;
       ++evidence_.kept;
@@ -69,14 +117,15 @@ class EvidenceCount {
 
   /// Evidence from the sightlines of positive weight, if no matches are connected.
   ShapeEvidence of(const Sightlines& lines) {
-    evidence_.needed = 8;
+    evidence_.needed = kNeededSightlines;
     for (std::int64_t i = 0; i < lines.count(); ++i) {
       if (lines.weight(i) == 0.0) continue;
       ++evidence_.kept;
       const Place2 seen_px = row<2>(lines.pixel_px, i);
       if (lines.vertex(i) >= 0) {
         const std::int32_t vertex = lines.vertex(i);
-        add_place(row<3>(vertices_m_, vertex), row<2>(flat_px_, vertex), seen_px);
+        if (turns_away_ && !is_front_vertex_[to_index(vertex)]) continue;
+        add_place(row<3>(vertices_m_, vertex), place_of(vertex), seen_px);
       } else {
         add(lines.face(i), row<3>(lines.barycentrics, i), seen_px);
       }
@@ -97,8 +146,13 @@ class EvidenceCount {
 
   static double length(double x, double y) { return std::sqrt(x * x + y * y); }
 
-  std::int64_t cell_along(double from_start_px) const {
-    return static_cast<std::int64_t>(from_start_px / cell_px_);
+  std::int64_t cell_along(double from_start) const {
+    return static_cast<std::int64_t>(from_start / cell_);
+  }
+
+  /// The place of a vertex, in px of the texture or, where faces turn away, in m at rest.
+  Place3 place_of(std::int64_t vertex) const {
+    return {places_(vertex, 0), places_(vertex, 1), turns_away_ ? places_(vertex, 2) : 0.0};
   }
 
   /// The pixel of a point in m, camera frame; NaN unless it is in front of the camera.
@@ -111,22 +165,19 @@ class EvidenceCount {
             camera_.fy * point_m[1] / point_m[2] + camera_.cy};
   }
 
-  /// The weighted mean of the values at a face's vertices.
-  template <std::size_t Columns, class Rows>
-  std::array<double, Columns> mean(const Rows& rows, std::int32_t face,
-                                   const Place3& weights) const {
-    const auto a = row<Columns>(rows, faces_(face, 0)), b = row<Columns>(rows, faces_(face, 1)),
-               c = row<Columns>(rows, faces_(face, 2));
-    std::array<double, Columns> sum;
-    for (std::size_t j = 0; j < Columns; ++j) {
+  /// The weighted mean of three values.
+  static Place3 mean(const Place3& a, const Place3& b, const Place3& c, const Place3& weights) {
+    Place3 sum;
+    for (std::size_t j = 0; j < 3; ++j) {
       sum[j] = weights[0] * a[j] + weights[1] * b[j] + weights[2] * c[j];
     }
     return sum;
   }
 
-  void mark(const Place2& place_px, Cell before, Cell after) {
-    const std::int64_t index =
-        cell_along(place_px[1] - low_px_[1]) * columns_ + cell_along(place_px[0] - low_px_[0]);
+  void mark(const Place3& place, Cell before, Cell after) {
+    const std::int64_t layer = turns_away_ ? cell_along(place[2] - low_[2]) : 0;
+    const std::int64_t index = (layer * rows_ + cell_along(place[1] - low_[1])) * columns_ +
+                               cell_along(place[0] - low_[0]);
     if (index < 0 || index >= static_cast<std::int64_t>(cells_.size())) return;
     Cell& cell = cells_[to_index(index)];
     if (cell == before) cell = after;
@@ -138,6 +189,10 @@ class EvidenceCount {
     for (std::size_t v = 0; v < pixels.size(); ++v) {
       pixels[v] = pixel_of(row<3>(vertices_m_, static_cast<std::int64_t>(v)));
     }
+    if (turns_away_) {
+      is_front_face_.assign(to_index(faces_.rows()), 0);
+      is_front_vertex_.assign(pixels.size(), 0);
+    }
     for (std::int64_t f = 0; f < faces_.rows(); ++f) {
       const std::array corners{faces_(f, 0), faces_(f, 1), faces_(f, 2)};
       const Place2& a = pixels[to_index(corners[0])];
@@ -148,27 +203,36 @@ class EvidenceCount {
       const auto centre = [&](std::size_t axis) {
         return a[axis] + (b[axis] - a[axis] + (c[axis] - a[axis])) / 3.0;
       };
-      if (!front || !camera_.shows(centre(0), centre(1))) continue;
-      Place2 middle_px{};
-      for (const std::int32_t v : corners) {
-        const Place2 corner_px = row<2>(flat_px_, v);
-        mark(corner_px, kNothing, kSeen);
-        for (const std::size_t axis : {0U, 1U}) middle_px[axis] += corner_px[axis] / 3.0;
+      if (turns_away_ && front) {
+        is_front_face_[to_index(f)] = 1;
+        for (const std::int32_t v : corners) is_front_vertex_[to_index(v)] = 1;
       }
-      mark(middle_px, kNothing, kSeen);
+      if (front && camera_.shows(centre(0), centre(1))) mark_face(corners);
     }
   }
 
-  void add(std::int32_t face, const Place3& weights, const Place2& seen_px) {
-    if (face < 0) return;
-    add_place(mean<3>(vertices_m_, face, weights), mean<2>(flat_px_, face, weights), seen_px);
+  void mark_face(const std::array<std::int32_t, 3>& corners) {
+    const std::array places{place_of(corners[0]), place_of(corners[1]), place_of(corners[2])};
+    Place3 middle{};
+    for (const Place3& corner : places) {
+      mark(corner, kNothing, kSeen);
+      for (std::size_t axis = 0; axis < 3; ++axis) middle[axis] += corner[axis] / 3.0;
+    }
+    mark(middle, kNothing, kSeen);
   }
 
-  void add_place(const Place3& place_m, const Place2& place_px, const Place2& seen_px) {
-    const Place2 pixel = pixel_of(place_m);
+  void add(std::int32_t face, const Place3& weights, const Place2& seen_px) {
+    if (face < 0 || (turns_away_ && !is_front_face_[to_index(face)])) return;
+    const std::int32_t a = faces_(face, 0), b = faces_(face, 1), c = faces_(face, 2);
+    add_place(mean(row<3>(vertices_m_, a), row<3>(vertices_m_, b), row<3>(vertices_m_, c), weights),
+              mean(place_of(a), place_of(b), place_of(c), weights), seen_px);
+  }
+
+  void add_place(const Place3& point_m, const Place3& place, const Place2& seen_px) {
+    const Place2 pixel = pixel_of(point_m);
     if (!(length(pixel[0] - seen_px[0], pixel[1] - seen_px[1]) < kAgreeingPx)) return;
     ++evidence_.agreeing;
-    mark(place_px, kSeen, kShown);
+    mark(place, kSeen, kShown);
   }
 
   ShapeEvidence counted() {
@@ -179,14 +243,17 @@ class EvidenceCount {
     return evidence_;
   }
 
+  bool turns_away_;  ///< some faces turn away from others at rest
   const Array<std::int32_t>& faces_;
-  const Array<double>& flat_px_;
+  const Array<double>& places_;  ///< [V,2] px of the texture, or [V,3] m at rest
   const Camera& camera_;
   const Vertices& vertices_m_;
-  Place2 low_px_{};
-  double cell_px_ = 1.0;
-  std::int64_t columns_ = 1;
+  Place3 low_{};
+  double cell_ = 1.0;  ///< [px] or [m]
+  std::int64_t columns_ = 1, rows_ = 1;
   std::vector<Cell> cells_;
+  std::vector<std::uint8_t> is_front_face_;    ///< [F] only where faces turn away
+  std::vector<std::uint8_t> is_front_vertex_;  ///< [V] only where faces turn away
   ShapeEvidence evidence_;
 };
 

@@ -64,6 +64,21 @@ inline std::int32_t face_around(const Eigen::Vector2d& point_px, const Points2Vi
   return found;
 }
 
+/// Sets the corners and the weights of a point in its face. A point within 1e-6 of a vertex becomes
+/// that vertex.
+inline void put_in_face(const Eigen::Vector3d& weights, const FacesView& faces,
+                        KnownSurfacePoint& point) {
+  for (int k = 0; k < 3; ++k) {
+    constexpr double kWhole = 1.0 - 1e-6;
+    if (weights[k] > kWhole) {
+      point = KnownSurfacePoint::at_vertex(faces(point.face, k), point.centre_m, point.radius_m);
+      return;
+    }
+    point.vertices[to_index(k)] = faces(point.face, k);
+    point.weights[to_index(k)] = weights[k];
+  }
+}
+
 /// Puts a point given by template_xy_m on the mesh. A point within 1e-6 of a vertex becomes that
 /// vertex.
 inline Result<void> place_on_mesh(const Eigen::Vector2d& xy_m, const std::string& name,
@@ -81,23 +96,45 @@ inline Result<void> place_on_mesh(const Eigen::Vector2d& xy_m, const std::string
                                          std::to_string(1e3 * xy_m.y()) +
                                          ") mm, beside the template"};
   }
-  for (int k = 0; k < 3; ++k) {
-    constexpr double kWhole = 1.0 - 1e-6;
-    if (weights[k] > kWhole) {
-      point = KnownSurfacePoint::at_vertex(faces(point.face, k), point.centre_m, point.radius_m);
-      return {};
-    }
-    point.vertices[to_index(k)] = faces(point.face, k);
-    point.weights[to_index(k)] = weights[k];
+  put_in_face(weights, faces, point);
+  return {};
+}
+
+/// Puts a point given by face and barycentrics on the mesh. A point within 1e-6 of a vertex becomes
+/// that vertex.
+inline Result<void> place_in_face(const KnownPoints& known, std::int64_t p, const std::string& name,
+                                  const Template& templ, KnownSurfacePoint& point) {
+  constexpr double kSumTolerance = 1e-6, kLeastWeight = -0.5;
+  const auto faces = templ.faces.matrix<3>();
+  if (known.face(p) >= faces.rows()) {
+    return Error{Errc::invalid_data, name + " names face " + std::to_string(known.face(p)) +
+                                         " of a template with " + std::to_string(faces.rows())};
   }
+  if (!known.barycentrics.present()) {
+    return Error{Errc::invalid_data,
+                 name +
+                     " names a face, but 'barycentrics' is absent: add three weights for each "
+                     "point"};
+  }
+  const Eigen::Vector3d weights = known.barycentrics.matrix<3>().row(p).transpose();
+  if (!weights.allFinite() || std::abs(weights.sum() - 1.0) > kSumTolerance ||
+      weights.minCoeff() < kLeastWeight) {
+    return Error{Errc::invalid_data, name + " has the barycentrics " + std::to_string(weights.x()) +
+                                         ", " + std::to_string(weights.y()) + ", " +
+                                         std::to_string(weights.z()) +
+                                         ": their sum must be 1, and each at least -0.5"};
+  }
+  point.face = known.face(p);
+  put_in_face(weights, faces, point);
   return {};
 }
 
 }  // namespace detail
 
 /// The known points on a template's mesh. A negative radius becomes `own_radius_m`. Fails on a
-/// missing vertex, on a point beside a flat template, on a point without vertex on a curved
-/// template, and on non-finite numbers. The error gives the point.
+/// missing vertex or face, on weights whose sum is not 1, on a point beside a flat template, on a
+/// point without vertex and face on a curved template, and on non-finite numbers. The error gives
+/// the point.
 inline Result<std::vector<KnownSurfacePoint>> known_surface_points(const KnownPoints& known,
                                                                    const Template& templ,
                                                                    double own_radius_m) {
@@ -110,13 +147,20 @@ inline Result<std::vector<KnownSurfacePoint>> known_surface_points(const KnownPo
     if (!centre_m.allFinite() || !std::isfinite(known.radius_m(p))) {
       return Error{Errc::invalid_data, name + " is not finite: leave it out"};
     }
-    if (vertex >= vertex_count || vertex < -1 || (vertex < 0 && !known.template_xy_m.present())) {
+    const bool in_face = vertex == -1 && known.face.present() && known.face(p) >= 0;
+    const bool is_placed = vertex >= 0 || in_face || known.template_xy_m.present();
+    if (vertex >= vertex_count || vertex < -1 || !is_placed) {
       return Error{Errc::invalid_data, name + " names vertex " + std::to_string(vertex) +
                                            " of a template with " + std::to_string(vertex_count)};
     }
     const double radius_m = known.radius_m(p) < 0.0 ? own_radius_m : known.radius_m(p);
     points.push_back(KnownSurfacePoint::at_vertex(vertex, centre_m, radius_m));
     if (vertex >= 0) continue;
+    if (in_face) {
+      auto placed = detail::place_in_face(known, p, name, templ, points.back());
+      if (!placed) return placed.error();
+      continue;
+    }
     const Eigen::Vector2d xy_m = known.template_xy_m.matrix<2>().row(p).transpose();
     auto placed = detail::place_on_mesh(xy_m, name, templ, points.back());
     if (!placed) return placed.error();

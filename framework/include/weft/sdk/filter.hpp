@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <weft/sdk/export.hpp>
 #include <weft/sdk/nested.hpp>
 #include <weft/sdk/role.hpp>
@@ -39,6 +40,27 @@ class Filter : public Prepared {
 
   std::int32_t process(ProcessCall& call) {
     return call.run<FilterInput>("inlier_mask", [&](const auto& in) { return filter(in); });
+  }
+};
+
+/// A nested filter, for example for a part of the matches.
+struct FilterComponent : ComponentHandle {
+  explicit FilterComponent(const char* default_component)
+      : ComponentHandle{"filters", default_component} {}
+
+  Result<InlierMask> filter(const FilterInput& in) const {
+    detail::Inputs inputs;
+    const RecordView<Correspondences> matches("correspondences", in.correspondences);
+    inputs.push_back(matches.raw());
+    std::optional<RecordView<Template>> templ;
+    std::optional<RecordView<Camera>> camera;
+    std::optional<RecordView<Shape>> previous;
+    if (in.templ) inputs.push_back(templ.emplace("template", *in.templ).raw());
+    if (in.camera) inputs.push_back(camera.emplace("camera", *in.camera).raw());
+    if (in.previous_shape) {
+      inputs.push_back(previous.emplace("previous.shape", *in.previous_shape).raw());
+    }
+    return detail::invoke<InlierMask>(in.call, handle, 0, inputs);
   }
 };
 

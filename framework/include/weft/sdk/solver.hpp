@@ -6,6 +6,7 @@
 #include <weft/sdk/export.hpp>
 #include <weft/sdk/nested.hpp>
 #include <weft/sdk/role.hpp>
+#include <weft/sdk/welding.hpp>
 
 namespace weft {
 
@@ -25,10 +26,27 @@ class Solver : public Prepared {
   }
 
   std::int32_t process(ProcessCall& call) {
-    return call.run<SolverInput>("shape", [&](const auto& in) { return judged(in, solve(in)); });
+    return call.run<SolverInput>("shape", [&](const SolverInput& in) {
+      const bool welds = in.templ.welded_vertex.present() && joins_seams();
+      return judged(in, welds ? solve_welded(in) : solve(in));
+    });
   }
 
+ protected:
+  /// A solver that works in the plane of the texture returns false: it receives the template with
+  /// its seams, because a surface without seams has no valid `flat_px` there.
+  virtual bool joins_seams() const { return true; }
+
  private:
+  Result<Shape> solve_welded(const SolverInput& in) {
+    if (auto updated = welding_.update(in.templ); !updated) return updated.error();
+    const auto welded = welding_.joined(in);
+    if (!welded) return welded.error();
+    Result<Shape> solved = solve(*welded);
+    if (solved) welding_.spread(*solved);
+    return solved;
+  }
+
   static Result<Shape> judged(const SolverInput& in, Result<Shape> solved) {
     if (!solved || solved->vertices_m.rows() != in.templ.vertices_m.rows()) return solved;
     const ShapeEvidence evidence =
@@ -41,6 +59,8 @@ class Solver : public Prepared {
     solved->diag.set("agreeing_coverage", evidence.coverage);
     return solved;
   }
+
+  Welding welding_;  ///< of the last template with seams
 };
 
 }  // namespace weft

@@ -37,6 +37,7 @@ RunFrame frame_of(const json& line) {
   RunFrame frame;
   frame.frame = member<std::uint64_t>(line, "frame", 0);
   frame.state = member<std::string>(line, "state", "none");
+  frame.reason = member<std::string>(line, "reason", "");
   frame.confidence = member(line, "confidence", kUnknown);
   for (const json& stage : line.value("stages", json::array())) {
     frame.stages.push_back(

@@ -26,6 +26,7 @@ struct StageOutcome {
 struct RunFrame {
   std::uint64_t frame = 0;                                        ///< [] index from 0
   std::string state;                                              ///< state of the shape
+  std::string reason;                                             ///< why it is weak, if it is
   double mean_mm = kUnknown, worst_mm = kUnknown;                 ///< [] mm, where there is truth
   double confidence = kUnknown;                                   ///< [] 0 to 1
   double within_1mm_percent = kUnknown, displaced_mm = kUnknown;  ///< against a flat reference

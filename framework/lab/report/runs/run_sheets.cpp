@@ -42,6 +42,7 @@ std::string status_text(const std::string& status) {
   if (status == "no_result") return "had no result";
   if (status == "degenerate") return "had a poor result";
   if (status == "skipped") return "was skipped";
+  if (status == "weak") return "is weak";
   return status == "error" ? "had an error" : status;
 }
 
@@ -67,14 +68,18 @@ std::vector<StageTimes> stage_times(const RunData& run) {
 
 TextTable reasons_sheet(const RunData& run) {
   std::map<std::string, Cause> causes;
+  const auto count = [&](const std::string& stage, const std::string& status,
+                         const std::string& reason, std::uint64_t frame) {
+    Cause& cause = causes[stage + "\n" + status + "\n" + without_numbers(reason)];
+    if (cause.frames.empty()) cause = {stage, status, reason, {}};
+    cause.frames.push_back(frame);
+  };
   for (const RunFrame& frame : run.frames) {
     for (const StageOutcome& stage : frame.stages) {
       if (stage.status == "ok" || stage.status == "skipped") continue;
-      Cause& cause =
-          causes[stage.stage + "\n" + stage.status + "\n" + without_numbers(stage.reason)];
-      if (cause.frames.empty()) cause = {stage.stage, stage.status, stage.reason, {}};
-      cause.frames.push_back(frame.frame);
+      count(stage.stage, stage.status, stage.reason, frame.frame);
     }
+    if (!frame.reason.empty()) count("shape", frame.state, frame.reason, frame.frame);
   }
   std::vector<Cause> ranked;
   for (auto& [name, cause] : causes) ranked.push_back(std::move(cause));
@@ -142,6 +147,7 @@ TextTable frames_sheet(const RunData& run) {
       reason = stage.stage + " " + status_text(stage.status) +
                (stage.reason.empty() ? "" : ": " + stage.reason);
     }
+    if (reason.empty()) reason = frame.reason;
     table.rows.push_back(
         {{count_cell(static_cast<std::int64_t>(frame.frame)), text_cell(frame.state),
           number_cell(frame.mean_mm, 3), number_cell(frame.worst_mm, 3),

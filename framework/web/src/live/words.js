@@ -10,6 +10,8 @@ const kTitles = {
 };
 // What a source says of each frame, whatever becomes of it.
 const kStanding = /^not calibrated/;
+// What the rule for states says of a shape by itself; other reasons are about the set-up.
+const is_of_set_up = (reason) => Boolean(reason) && !reason.startsWith("weak: ");
 const kStatuses = { error: "an error", no_result: "no result", degenerate: "degenerate" };
 
 /** A probability for people; never a rounded 100 %. */
@@ -61,7 +63,7 @@ export function state_words(report) {
   const cause = state !== "estimated" || failed ? cause_of(stages) : null;
   const why = cause ? `${cause.stage}: ${cause.reason || kStatuses[cause.status]}` : "";
   const text = [about_the_shape(report), report.reason, why].filter(Boolean).join("; ");
-  return { state, title, text, topic: `${title} ${cause?.stage ?? ""} ${report.reason ? "set-up" : ""}` };
+  return { state, title, text, topic: `${title} ${cause?.stage ?? ""} ${is_of_set_up(report.reason) ? "set-up" : ""}` };
 }
 
 /** What somebody must see besides: warnings of the run, and that the camera is not calibrated. */

@@ -9,16 +9,31 @@
 
 namespace weft::solvers {
 
-std::optional<Eigen::Isometry3d> rigid_pose(std::span<const SeenPoint> points, const Camera& camera,
-                                            const Points3View& rest_m) {
+namespace {
+
+/// Points at rest and where they were seen, as OpenCV takes them.
+struct Pairs {
+  Pairs(std::span<const SeenPoint> points, const Points3View& rest_m) {
+    for (const SeenPoint& point : points) {
+      const Eigen::Vector3d at_m = point.on(rest_m);
+      rest.emplace_back(at_m.x(), at_m.y(), at_m.z());
+      seen.emplace_back(point.seen_px.x(), point.seen_px.y());
+    }
+  }
   std::vector<cv::Point3d> rest;
   std::vector<cv::Point2d> seen;
-  for (const SeenPoint& point : points) {
-    const Eigen::Vector3d at_m = point.on(rest_m);
-    rest.emplace_back(at_m.x(), at_m.y(), at_m.z());
-    seen.emplace_back(point.seen_px.x(), point.seen_px.y());
-  }
-  const cv::Matx33d matrix(camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0);
+};
+
+cv::Matx33d matrix_of(const Camera& camera) {
+  return {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0};
+}
+
+}  // namespace
+
+std::optional<Eigen::Isometry3d> rigid_pose(std::span<const SeenPoint> points, const Camera& camera,
+                                            const Points3View& rest_m) {
+  const auto [rest, seen] = Pairs(points, rest_m);
+  const cv::Matx33d matrix = matrix_of(camera);
   cv::Vec3d turn, place_m;
   if (!cv::solvePnP(rest, seen, matrix, cv::noArray(), turn, place_m, false, cv::SOLVEPNP_SQPNP)) {
     return {};
@@ -33,6 +48,25 @@ std::optional<Eigen::Isometry3d> rigid_pose(std::span<const SeenPoint> points, c
   }
   if (!pose.matrix().allFinite()) return {};
   return pose;
+}
+
+std::optional<Eigen::Isometry3d> robust_rigid_pose(std::span<const SeenPoint> points,
+                                                   const Camera& camera, const Points3View& rest_m,
+                                                   double tolerance_px, std::size_t fewest) {
+  constexpr int kSamples = 500;
+  constexpr double kSure = 0.999;
+  const auto [rest, seen] = Pairs(points, rest_m);
+  cv::Vec3d turn, place_m;
+  std::vector<int> agreeing;
+  if (!cv::solvePnPRansac(rest, seen, matrix_of(camera), cv::noArray(), turn, place_m, false,
+                          kSamples, static_cast<float>(tolerance_px), kSure, agreeing,
+                          cv::SOLVEPNP_EPNP)) {
+    return {};
+  }
+  if (agreeing.size() < fewest) return {};
+  std::vector<SeenPoint> kept;
+  for (const int i : agreeing) kept.push_back(points[static_cast<std::size_t>(i)]);
+  return rigid_pose(kept, camera, rest_m);
 }
 
 std::optional<Points3> posed_at_rest(std::span<const SeenPoint> points, const Camera& camera,

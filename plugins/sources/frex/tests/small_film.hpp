@@ -27,11 +27,11 @@ inline std::string params(const std::string& more) {
          (more.empty() ? "" : ", ") + more + "}";
 }
 
-/// The source, opened, with one frame's outputs at a time.
-class SmallFilm {
+/// A source, opened, with one frame's outputs at a time.
+class OpenFilm {
  public:
-  explicit SmallFilm(const std::string& more = "", std::uint64_t run_seed = 1)
-      : plugin_("sources/frex", params(more), run_seed) {
+  OpenFilm(const std::string& id, const std::string& parameters, std::uint64_t run_seed = 1)
+      : plugin_(id, parameters, run_seed) {
     const PluginAnswer opened = plugin_.process(kOpen, {});
     if (opened.status != WEFT_OK) throw std::runtime_error(opened.message);
     camera = *opened.get<Camera>();
@@ -53,6 +53,13 @@ class SmallFilm {
 
  private:
   PluginUnderTest plugin_;
+};
+
+/// The printed surface.
+class SmallFilm : public OpenFilm {
+ public:
+  explicit SmallFilm(const std::string& more = "", std::uint64_t run_seed = 1)
+      : OpenFilm("sources/frex", params(more), run_seed) {}
 };
 
 /// Largest |l / l0 - 1| over the edges of the true mesh, l0 measured on the template.

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+#include <weft/core/index.hpp>
+#include <weft/core/result.hpp>
+#include <weft/core/stop_check.hpp>
+#include <weft/sdk/nested.hpp>
+
+namespace weft {
+
+/// Joins the vertices of a template on both sides of its texture seams for a solver: V vertices in
+/// separate charts become W places of one surface. Face numbers and the order of corners stay, so
+/// that positions given by face and barycentrics need no change. Only the first vertex of a place
+/// keeps its texture position: `flat_px` of the joined template is invalid in faces at a seam.
+///
+/// The header does not include Eigen, because all solvers read it.
+class Welding {
+ public:
+  /// Numbers the places of a template with `welded_vertex`. The result is kept while the template's
+  /// revision stays.
+  Result<void> update(const Template& templ) {
+    if (revision_ != 0 && templ.revision == revision_) return {};
+    revision_ = 0;
+    first_vertex_.clear();
+    if (auto numbered = number_places(templ); !numbered) return numbered;
+    vertices_m_ = gathered(templ.vertices_m);
+    flat_px_ = gathered(templ.flat_px);
+    vertex_tetrahedron_ = gathered(templ.vertex_tetrahedron);
+    vertex_barycentric_ = gathered(templ.vertex_barycentric);
+    faces_ = Array<std::int32_t>({templ.faces.rows(), 3});
+    for (std::int64_t f = 0; f < templ.faces.rows(); ++f) {
+      for (std::int64_t k = 0; k < 3; ++k) faces_(f, k) = place_of(templ.faces(f, k));
+    }
+    revision_ = templ.revision;
+    return {};
+  }
+
+  /// The template after update(), with W vertices and without `welded_vertex`. Its revision follows
+  /// from the template's revision and differs from it.
+  Template joined(const Template& templ) const {
+    Template welded;
+    welded.vertices_m = vertices_m_;
+    welded.flat_px = flat_px_;
+    welded.faces = faces_;
+    welded.m_per_px = templ.m_per_px;
+    welded.texture = templ.texture;
+    welded.mask = templ.mask;
+    welded.nodes_m = templ.nodes_m;
+    welded.tetrahedra = templ.tetrahedra;
+    welded.vertex_tetrahedron = vertex_tetrahedron_;
+    welded.vertex_barycentric = vertex_barycentric_;
+    welded.others = templ.others;
+    make_own(welded);
+    welded.revision = joined_revision(templ.revision);
+    return welded;
+  }
+
+  /// The inputs after update(), for the joined template. Matches are unchanged, because they have
+  /// faces. Fails if a known point is beside the template.
+  Result<SolverInput> joined(const SolverInput& in) const {
+    SolverInput welded = in;
+    welded.templ = joined(in.templ);
+    if (in.sightlines) welded.sightlines->vertex = places_of(in.sightlines->vertex);
+    if (in.visibility) join(*welded.visibility);
+    if (in.previous_shape) {
+      Shape& shape = *welded.previous_shape;
+      shape.vertices_m = gathered(shape.vertices_m);
+      shape.source = gathered(shape.source);
+      shape.covariance_m2 = gathered(shape.covariance_m2);
+      make_own(shape);
+    }
+    if (in.known_points) {
+      auto joined_points = join(in.templ, *welded.known_points);
+      if (!joined_points) return joined_points.error();
+    }
+    return welded;
+  }
+
+  /// Copies the values of each place to all of its vertices. Diagnostics and nodes are unchanged.
+  void spread(Shape& shape) const {
+    shape.vertices_m = spread_rows(shape.vertices_m);
+    shape.source = spread_rows(shape.source);
+    shape.covariance_m2 = spread_rows(shape.covariance_m2);
+  }
+
+ private:
+  /// A joined record has other rows than the one that was read: it passes on neither its further
+  /// arrays nor its revision.
+  template <class RecordType>
+  static void make_own(RecordType& record) {
+    record.others.drop();
+    record.others.own().clear();
+    record.others.seal(0, 0);
+  }
+
+  static std::uint64_t joined_revision(std::uint64_t revision) {
+    if (revision == 0) return 0;
+    std::uint64_t mixed = (revision ^ 0x77656C64U) * 0x9E3779B97F4A7C15U;  // an odd factor: 1 to 1
+    mixed ^= mixed >> 32U;
+    return mixed != 0 && mixed != revision ? mixed : ~revision;
+  }
+
+  Result<void> number_places(const Template& templ) {
+    const Array<std::int32_t>& welded = templ.welded_vertex;
+    const std::int64_t count = templ.vertices_m.rows();
+    place_of_vertex_.assign(to_index(count), 0);
+    for (std::int64_t v = 0; v < count; ++v) {
+      const std::int32_t first = welded(v);
+      if (first < 0 || first > v || welded(first) != first) {
+        return Error{Errc::invalid_data, "template: welded_vertex of vertex " + std::to_string(v) +
+                                             " is " + std::to_string(first) +
+                                             ", but must be the first vertex at the same place: "
+                                             "at most the vertex itself, and its own first vertex"};
+      }
+      if (first == v) {
+        place_of_vertex_[to_index(v)] = static_cast<std::int32_t>(first_vertex_.size());
+        first_vertex_.push_back(v);
+      } else {
+        place_of_vertex_[to_index(v)] = place_of_vertex_[to_index(first)];
+      }
+    }
+    return {};
+  }
+
+  /// The place of a vertex; an index outside the template is unchanged.
+  std::int32_t place_of(std::int32_t vertex) const {
+    if (vertex < 0 || to_index(vertex) >= place_of_vertex_.size()) return vertex;
+    return place_of_vertex_[to_index(vertex)];
+  }
+
+  Array<std::int32_t> places_of(const Array<std::int32_t>& vertices) const {
+    Array<std::int32_t> places({vertices.rows()});
+    for (std::int64_t i = 0; i < vertices.rows(); ++i) places(i) = place_of(vertices(i));
+    return places;
+  }
+
+  /// An array with the row shape of another one and `count` rows.
+  template <class T>
+  static Array<T> with_rows(const Array<T>& like, std::int64_t count) {
+    if (like.ndim() == 1) return Array<T>({count});
+    if (like.ndim() == 2) return Array<T>({count, like.dim(1)});
+    return Array<T>({count, like.dim(1), like.dim(2)});
+  }
+
+  /// The rows [W,...] of the first vertices, from rows [V,...]. Arrays of another length are
+  /// unchanged.
+  template <class T>
+  Array<T> gathered(const Array<T>& rows) const {
+    if (!rows.present() || to_index(rows.rows()) != place_of_vertex_.size()) return rows;
+    Array<T> some = with_rows(rows, static_cast<std::int64_t>(first_vertex_.size()));
+    for (std::int64_t w = 0; w < some.rows(); ++w) {
+      std::copy_n(rows.row(first_vertex_[to_index(w)]), rows.row_elements(), some.row(w));
+    }
+    return some;
+  }
+
+  /// The rows [V,...] of all vertices, from rows [W,...]. Arrays of another length are unchanged.
+  template <class T>
+  Array<T> spread_rows(const Array<T>& rows) const {
+    if (!rows.present() || to_index(rows.rows()) != first_vertex_.size()) return rows;
+    Array<T> all = with_rows(rows, static_cast<std::int64_t>(place_of_vertex_.size()));
+    for (std::int64_t v = 0; v < all.rows(); ++v) {
+      std::copy_n(rows.row(place_of_vertex_[to_index(v)]), rows.row_elements(), all.row(v));
+    }
+    return all;
+  }
+
+  /// A place is visible if one of its vertices is visible. Its score and its reason are those of
+  /// the vertex with the best score, where a visible vertex precedes a hidden one.
+  void join(Visibility& visibility) const {
+    const Visibility all = visibility;
+    if (to_index(all.visible.rows()) != place_of_vertex_.size()) return;
+    visibility.visible = gathered(all.visible);
+    visibility.score = gathered(all.score);
+    visibility.reason = gathered(all.reason);
+    for (std::int64_t v = 0; v < all.visible.rows(); ++v) {
+      const std::int64_t w = place_of_vertex_[to_index(v)];
+      const std::pair own(all.visible(v), all.score(v));
+      if (!(own > std::pair(visibility.visible(w), visibility.score(w)))) continue;
+      visibility.visible(w) = all.visible(v);
+      visibility.score(w) = all.score(v);
+      visibility.reason(w) = all.reason(v);
+    }
+    make_own(visibility);
+  }
+
+  /// Points at vertices become points at places. Points of the flat template become points in
+  /// faces, because the flat mesh is valid only before its seams are joined.
+  Result<void> join(const Template& templ, KnownPoints& known) const {
+    const Array<std::int32_t> vertex = known.vertex;
+    known.vertex = places_of(vertex);
+    if (!known.template_xy_m.present() || !templ.m_per_px.present()) return {};
+    Array<std::int32_t> face({known.count()}, -1);
+    Array<double> barycentrics({known.count(), 3}, 0.0);
+    for (std::int64_t p = 0; p < known.count(); ++p) {
+      const bool has_face =
+          known.face.present() && known.barycentrics.present() && known.face(p) >= 0;
+      if (has_face) {
+        face(p) = known.face(p);
+        std::copy_n(known.barycentrics.row(p), 3, barycentrics.row(p));
+      } else if (vertex(p) < 0) {
+        const std::array place_px{known.template_xy_m(p, 0) / templ.m_per_px(0),
+                                  known.template_xy_m(p, 1) / templ.m_per_px(1)};
+        face(p) = face_around(place_px, templ, barycentrics.row(p));
+        if (face(p) < 0) return beside_the_template(known, p);
+      }
+    }
+    known.face = std::move(face);
+    known.barycentrics = std::move(barycentrics);
+    return {};
+  }
+
+  static Error beside_the_template(const KnownPoints& known, std::int64_t p) {
+    return Error{Errc::invalid_data, "known point " + std::to_string(p) + " is at (" +
+                                         std::to_string(1e3 * known.template_xy_m(p, 0)) + ", " +
+                                         std::to_string(1e3 * known.template_xy_m(p, 1)) +
+                                         ") mm, beside the template"};
+  }
+
+  /// The face of the flat mesh for which the smallest weight of a point is largest, with its three
+  /// weights; -1 if a weight would be below -1/2. Like face_around() in
+  /// weft/geometry/known_surface.hpp, without Eigen.
+  static std::int32_t face_around(const std::array<double, 2>& place_px, const Template& templ,
+                                  double* weights) {
+    std::int32_t found = -1;
+    double largest = -0.5;
+    for (std::int32_t f = 0; f < templ.faces.rows(); ++f) {
+      worked_in_loop(f, 3);
+      const double *a = templ.flat_px.row(templ.faces(f, 0)),
+                   *b = templ.flat_px.row(templ.faces(f, 1)),
+                   *c = templ.flat_px.row(templ.faces(f, 2));
+      const double abx = b[0] - a[0], aby = b[1] - a[1], acx = c[0] - a[0], acy = c[1] - a[1];
+      const double apx = place_px[0] - a[0], apy = place_px[1] - a[1];
+      const double det = abx * acy - aby * acx;
+      const double w1 = (apx * acy - apy * acx) / det, w2 = (abx * apy - aby * apx) / det;
+      const double least = std::min({1.0 - w1 - w2, w1, w2});
+      if (!std::isfinite(w1) || !std::isfinite(w2) || !(least > largest)) continue;
+      largest = least;
+      found = f;
+      weights[0] = 1.0 - w1 - w2;
+      weights[1] = w1;
+      weights[2] = w2;
+    }
+    return found;
+  }
+
+  std::uint64_t revision_ = 0;                 ///< [] of the template; 0 keeps nothing
+  std::vector<std::int32_t> place_of_vertex_;  ///< [V] place, 0 to W-1
+  std::vector<std::int64_t> first_vertex_;     ///< [W] vertex
+  Array<double> vertices_m_;                   ///< [W,3] m, template frame
+  Array<double> flat_px_;                      ///< [W,2] px of the texture, of the first vertices
+  Array<std::int32_t> faces_;                  ///< [F,3] places
+  Array<std::int32_t> vertex_tetrahedron_;     ///< [W]
+  Array<double> vertex_barycentric_;           ///< [W,4]
+};
+
+}  // namespace weft

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "energy.hpp"
+
+#include <cmath>
+#include <limits>
+#include <weft/core/index.hpp>
+#include <weft/core/stop_check.hpp>
+
+namespace weft::volume {
+
+double part_count(const SolidModel& body) {
+  const double side_m = body.diagonal_m() / 6.0;
+  return std::max(1.0, body.volume_m3() / (side_m * side_m * side_m));
+}
+
+double Energy::value(const FrameData& frame, const Scales& scales, const Points3& nodes_m) const {
+  return deformed(scales, nodes_m, {}) + observed(frame, scales, nodes_m, {}) +
+         known(frame, scales, nodes_m, {});
+}
+
+double Energy::linearise(const FrameData& frame, const Scales& scales, const Points3& nodes_m,
+                         Points3& gradient, solvers::BlockMatrix& matrix) const {
+  gradient.setZero();
+  matrix.set_zero();
+  const Derivatives to{&gradient, &matrix};
+  return deformed(scales, nodes_m, to) + observed(frame, scales, nodes_m, to) +
+         known(frame, scales, nodes_m, to);
+}
+
+double Energy::mean_deformation(const Material& material, const Points3& nodes_m) const {
+  double mean = 0.0;
+  for (const Tetrahedron& each : body_->tetrahedra()) {
+    mean += each.share * material.energy(each.gradient(nodes_m));
+  }
+  return mean;
+}
+
+double Energy::deformed(const Scales& scales, const Points3& nodes_m, const Derivatives& to) const {
+  return deformed(body_->tetrahedra(), scales.strain, scales.material, nodes_m, to) +
+         deformed(body_->parts(), scales.mean_strain, scales.material, nodes_m, to);
+}
+
+template <class Cell>
+double Energy::deformed(const std::vector<Cell>& cells, double strain, const Material& material,
+                        const Points3& nodes_m, const Derivatives& to) const {
+  const double weight = part_count(*body_) / (strain * strain);
+  double sum = 0.0;
+  std::int64_t done = 0;
+  for (const Cell& each : cells) {
+    worked_in_loop(done++, 20);
+    const Eigen::Matrix3d gradient = each.gradient(nodes_m);
+    if (to.gradient == nullptr) {
+      sum += each.share * material.energy(gradient);
+      continue;
+    }
+    const Linearised at(material, gradient);
+    sum += each.share * at.energy();
+    add_cell(each, weight * each.share, at, to);
+  }
+  return weight * sum;
+}
+
+template <class Cell>
+void Energy::add_cell(const Cell& in, double weight, const Linearised& at,
+                      const Derivatives& to) const {
+  std::vector<Linearised::Slope> slopes;
+  slopes.reserve(in.node.size());
+  for (std::size_t a = 0; a < in.node.size(); ++a) {
+    const Eigen::Vector3d slope = in.slopes.col(static_cast<Eigen::Index>(a));
+    slopes.push_back(at.slope(slope));
+    to.gradient->row(in.node[a]) += weight * (at.half_stress() * slope).transpose();
+  }
+  std::size_t pair = 0;
+  for (std::size_t a = 0; a < in.node.size(); ++a) {
+    to.matrix->diagonal[to_index(in.node[a])] += weight * at.half_curvature(slopes[a], slopes[a]);
+    for (std::size_t b = a + 1; b < in.node.size(); ++b) {
+      const Eigen::Matrix3d block = weight * at.half_curvature(slopes[a], slopes[b]);
+      Eigen::Matrix3d& into = to.matrix->coupling[to_index(in.coupling[pair++])];
+      if (in.node[a] < in.node[b]) {
+        into += block;
+      } else {
+        into += block.transpose();
+      }
+    }
+  }
+}
+
+double Energy::observed(const FrameData& frame, const Scales& scales, const Points3& nodes_m,
+                        const Derivatives& to) const {
+  const Pinhole& camera = frame.camera;
+  double energy = 0.0;
+  std::int64_t done = 0;
+  for (const Observation& o : frame.observations) {
+    worked_in_loop(done++, 5);
+    const Eigen::Vector3d p = o.point.on(body_->tetrahedra(), nodes_m);
+    if (!(p.z() > 0.0)) return std::numeric_limits<double>::infinity();
+    const Eigen::Vector2d off_px = project(camera, p) - o.seen_px;
+    const Eigen::Vector2d residual(o.white.xx * off_px.x(),
+                                   o.white.yx * off_px.x() + o.white.yy * off_px.y());
+    const double weight = scales.trust.weight(residual.squaredNorm(), energy);
+    if (to.gradient == nullptr) continue;
+    Eigen::Matrix<double, 2, 3> slopes;
+    slopes << camera.fx / p.z(), 0.0, -camera.fx * p.x() / (p.z() * p.z()),  //
+        0.0, camera.fy / p.z(), -camera.fy * p.y() / (p.z() * p.z());
+    Eigen::Matrix2d white;
+    white << o.white.xx, 0.0, o.white.yx, o.white.yy;
+    const Eigen::Matrix<double, 2, 3> whitened = white * slopes;
+    add_point(o.point, weight * whitened.transpose() * residual,
+              weight * whitened.transpose() * whitened, to);
+  }
+  return energy;
+}
+
+double Energy::known(const FrameData& frame, const Scales& scales, const Points3& nodes_m,
+                     const Derivatives& to) const {
+  const double weight = 1.0 / (scales.known_m * scales.known_m);
+  double energy = 0.0;
+  for (const KnownPlace& each : frame.known) {
+    const Eigen::Vector3d off_m = each.point.on(body_->tetrahedra(), nodes_m) - each.centre_m;
+    const double length_m = off_m.norm(), beyond_m = length_m - each.radius_m;
+    if (!(beyond_m > 0.0)) continue;
+    energy += weight * beyond_m * beyond_m;
+    if (to.gradient == nullptr) continue;
+    add_point(each.point, weight * beyond_m / length_m * off_m,
+              weight * Eigen::Matrix3d::Identity(), to);
+  }
+  return energy;
+}
+
+void Energy::add_point(const BodyPoint& point, const Eigen::Vector3d& half_gradient,
+                       const Eigen::Matrix3d& half_curvature, const Derivatives& to) const {
+  const Tetrahedron& in = body_->tetrahedra()[to_index(point.tetrahedron)];
+  std::size_t pair = 0;
+  for (std::size_t a = 0; a < 4; ++a) {
+    const double of_a = point.weights[static_cast<Eigen::Index>(a)];
+    to.gradient->row(in.node[a]) += of_a * half_gradient.transpose();
+    to.matrix->diagonal[to_index(in.node[a])] += of_a * of_a * half_curvature;
+    for (std::size_t b = a + 1; b < 4; ++b) {
+      const double of_b = point.weights[static_cast<Eigen::Index>(b)];
+      to.matrix->coupling[to_index(in.coupling[pair++])] += of_a * of_b * half_curvature;
+    }
+  }
+}
+
+}  // namespace weft::volume

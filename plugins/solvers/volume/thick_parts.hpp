@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "solid_model.hpp"
+
+namespace weft::volume {
+
+/// Balls that touch the surface at two places or more and lie within it, and the mean deformation
+/// in each. A body that bends or turns stretches on one side and shrinks on the other, so that the
+/// mean over its thickness is a rotation: it costs much less than a body that grows.
+///
+/// The ball that touches the surface at a point p with the inner normal n has the radius
+/// min_q |q - p|^2 / (2 n . (q - p)) over the other surface points q (Ma, Bae and Choi, 3D medial
+/// axis point approximation using nearest neighbors and the normal field, The Visual Computer 28,
+/// 2012). The two places must lie on opposite sides, more than 120 degrees apart from the centre;
+/// of balls that share most of their volume the largest stays. A mean is over the centroids of the
+/// quarters of tetrahedra, weighted so that their mean place is the centre.
+std::vector<ThickPart> thick_parts(const SolidModel& body);
+
+}  // namespace weft::volume
