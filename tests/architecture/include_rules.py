@@ -24,6 +24,7 @@ INSTALLED = {
     "images": "core",
     "data": "core",
     "geometry": "core data",
+    "geometry/solid": "core data geometry",
     "generators": "core data geometry",
     "truth": "core data geometry",
     "sdk": "core data geometry",
@@ -86,7 +87,7 @@ INTERNAL = {
 LAYERS = INSTALLED | INTERNAL
 # Plugins and the one room that links OpenCV as they do share the readers of images and videos.
 SHARED_PLUGIN_CODE = {"lab/calibration": ("plugin:common/images", "plugin:common/films")}
-PLUGIN_LAYERS = ("core", "images", "data", "geometry", "generators", "truth", "sdk")
+PLUGIN_LAYERS = ("core", "images", "data", "geometry", "geometry/solid", "generators", "truth", "sdk")
 
 # abi.h is not a layer: these path prefixes may name it. data/array.hpp owns the dtypes and the
 # array layout, which are the contract's.

@@ -5,7 +5,7 @@
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_check.hpp>
 #include <weft/geometry/mesh_validation.hpp>
-#include <weft/geometry/solid_validation.hpp>
+#include <weft/geometry/solid/validation.hpp>
 
 #include "kit/testing/contract_outputs.hpp"
 #include "kit/testing/contract_stages.hpp"

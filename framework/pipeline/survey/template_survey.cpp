@@ -8,7 +8,7 @@
 #include <vector>
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/mesh_topology.hpp>
-#include <weft/geometry/solid_validation.hpp>
+#include <weft/geometry/solid/validation.hpp>
 #include <weft/geometry/surface_distance.hpp>
 #include <weft/geometry/texture_metric.hpp>
 

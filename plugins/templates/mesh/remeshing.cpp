@@ -9,7 +9,7 @@
 #include <weft/geometry/barycentric.hpp>
 #include <weft/geometry/face_locator.hpp>
 #include <weft/geometry/mesh_validation.hpp>
-#include <weft/geometry/solid_validation.hpp>
+#include <weft/geometry/solid/validation.hpp>
 #include <weft/geometry/texture_metric.hpp>
 
 #include "chart.hpp"

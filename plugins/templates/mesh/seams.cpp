@@ -84,7 +84,7 @@ std::vector<std::size_t> Seams::stops_of(std::size_t chart,
 /// Ends of seams and sharp corners of either side, and one point of each border without those.
 void Seams::mark_stops(double spacing_px) {
   is_stop_.assign(dense_m_.size(), false);
-  std::map<std::int32_t, std::array<int, 2>> edges_at;  // of borders and of seams
+  std::map<std::int32_t, std::array<int, 2>> edges_at;  // counts: borders, seams
   for (const auto& [edge, sides] : sides_at_) {
     for (const std::int32_t point : {edge.first, edge.second}) ++edges_at[point][sides > 1 ? 1 : 0];
   }

@@ -66,7 +66,7 @@ class Seams {
     std::optional<SharedVertex> shared;
     std::int32_t seam = -1;                    ///< -1: open piece
     double along_m = 0.0, next_along_m = 0.0;  ///< on the seam, here and at the next corner
-    std::vector<std::int32_t> vertices;        ///< of the chart along the seam, from its beginning
+    std::vector<std::int32_t> vertices;  ///< [.] vertices of the chart from the seam's beginning
   };
   using Border = std::vector<Corner>;
 

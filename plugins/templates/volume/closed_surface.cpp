@@ -12,7 +12,7 @@
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/mesh_validation.hpp>
-#include <weft/geometry/solid_validation.hpp>
+#include <weft/geometry/solid/validation.hpp>
 
 namespace weft::volume {
 namespace {

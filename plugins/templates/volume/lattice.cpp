@@ -18,7 +18,7 @@ int third_axis(int a, int b) { return 3 - a - b; }
 
 bool is_even_order(int a, int b) { return (b - a + 3) % 3 == 1; }
 
-/// Whether some point of a triangle has all weights above a small number. `corners` are its corners
+/// True if some point of a triangle has all weights above a small number. `corners` are its corners
 /// by their weights in a tetrahedron. The triangle is cut off where a weight is below that
 /// (I. E. Sutherland, G. W. Hodgman, Reentrant polygon clipping, 1974).
 bool enters(const Eigen::Matrix<double, 4, 3>& corners) {
@@ -149,7 +149,7 @@ std::vector<Lattice::Key> Lattice::cut_by(const std::array<Eigen::Vector3d, 3>& 
       for (Key x = first.x(); x <= last.x(); ++x) {
         const Key cube = centre_key({x, y, z});
         worked(3);
-        constexpr double kReach = 1.5;  // of the pitch: no corner is further from the centre
+        constexpr double kReach = 1.5;  // pitches: no corner is further from the centre
         if (std::abs(normal.dot(node_m(cube) - a)) > kReach * pitch_m_) continue;
         for (Key t = kPerCube * cube; t < kPerCube * (cube + 1); ++t) {
           if (!has(t)) continue;

@@ -39,18 +39,18 @@ class Lattice {
   Place locate(const Eigen::Vector3d& point_m) const;
   /// The tetrahedra that a triangle enters; those that it only touches are not among them.
   std::vector<Key> cut_by(const std::array<Eigen::Vector3d, 3>& triangle_m) const;
-  /// Whether both cubes of a tetrahedron are in the lattice.
+  /// True if both cubes of a tetrahedron are in the lattice.
   bool has(Key tetrahedron) const;
   double pitch_m() const { return pitch_m_; }
 
  private:
   using Index3 = Eigen::Matrix<Key, 3, 1>;
-  /// A tetrahedron by the lower one of its cubes, the axis along which the other one follows, the
-  /// axis from there to the side of the square, and on which end of that axis this is.
+  /// A tetrahedron by its cubes and one side of the square between them.
   struct Parts {
-    Index3 cube;
-    int along = 0, across = 0;
-    bool upper = false;
+    Index3 cube;         ///< the lower one
+    int along = 0;       ///< axis along which the other cube follows
+    int across = 0;      ///< axis from the centre of the square to its side
+    bool upper = false;  ///< the side is at the upper end of that axis
   };
 
   Key key_of(const Parts& parts) const;

@@ -34,7 +34,7 @@ Result<void> check_pitch(const Eigen::Vector3d& size_m, double pitch_m) {
                      " long: give a smaller 'pitch_m', or 0 for a "
                      "twelfth of the object's diagonal");
   }
-  constexpr double kMostCubes = 1e6;  // of the box; an object may fill a small part of it
+  constexpr double kMostCubes = 1e6;  // an object may fill a small part of its box
   const double cubes = Lattice::cubes_in(size_m, pitch_m);
   if (cubes <= kMostCubes) return {};
   return bad_pitch("a pitch of " + mm(pitch_m) + " divides the object's box into more than " +

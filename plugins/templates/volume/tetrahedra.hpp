@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 #include <weft/core/result.hpp>
-#include <weft/geometry/solid_validation.hpp>
+#include <weft/geometry/solid/validation.hpp>
 #include <weft/geometry/types.hpp>
 
 #include "closed_surface.hpp"

@@ -16,10 +16,8 @@ class VolumeTemplate final : public TemplateBuilder {
  public:
   static constexpr About kAbout{
       .reference =
-          "own: body-centred cubic lattice as in Labelle and Shewchuk, Isosurface stuffing, "
-          "SIGGRAPH 2007; Jacobson et al., Robust inside-outside segmentation using generalized "
-          "winding numbers, SIGGRAPH 2013; Barill et al., Fast winding numbers for soups and "
-          "clouds, SIGGRAPH 2018"};
+          "own: Labelle and Shewchuk, Isosurface stuffing (2007); Jacobson et al., Robust "
+          "inside-outside segmentation (2013); Barill et al., Fast winding numbers (2018)"};
 
   explicit VolumeTemplate(Params& p) {
     p.component("surface", surface_, "template of the object's closed surface");
@@ -32,8 +30,8 @@ class VolumeTemplate final : public TemplateBuilder {
     if (!templ) return templ;
     if (templ->is_solid()) {
       return about("surface", {Errc::invalid_value,
-                               "the surface has tetrahedra of its own: use it as the template "
-                               "without templates/volume"});
+                               "the surface is a solid already: use it as the template without "
+                               "templates/volume"});
     }
     const auto surface = closed_surface_of(*templ);
     if (!surface) return surface.error();

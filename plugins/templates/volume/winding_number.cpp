@@ -11,7 +11,7 @@
 namespace weft::volume {
 namespace {
 
-constexpr std::size_t kLeafFaces = 4;
+constexpr std::size_t kLeafFaces = 2;
 constexpr double kDistant = 4.0;  // distance of a group that is one dipole, in its radii
 
 /// Solid angle of a triangle seen from the origin (A. van Oosterom, J. Strackee, The solid angle of

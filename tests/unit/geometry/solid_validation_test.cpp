@@ -3,7 +3,7 @@
 
 #include <functional>
 #include <limits>
-#include <weft/geometry/solid_validation.hpp>
+#include <weft/geometry/solid/validation.hpp>
 
 namespace weft {
 namespace {
@@ -26,7 +26,7 @@ Template roof() {
   return templ;
 }
 
-/// The same in two tetrahedra, the second of which holds no vertex.
+/// The same in two tetrahedra. The second one holds no vertex.
 Template solid_roof() {
   Template templ = roof();
   Points3 nodes_m(5, 3);
@@ -78,7 +78,7 @@ TEST(SolidValidation, NamesTheVertexThatIsWeldedWrongly) {
 }
 
 TEST(SolidValidation, RefusesAWeldedSurfaceThatIsNotManifold) {
-  // A third face at the ridge, with vertices of its own.
+  // A third face at the ridge, with separate vertices.
   Template branched = roof();
   Points3 vertices_m(9, 3);
   vertices_m << branched.vertices_m.matrix<3>(), branched.vertices_m.matrix<3>().topRows(3);

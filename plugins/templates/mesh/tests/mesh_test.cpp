@@ -13,7 +13,7 @@
 #include <weft/data/matrix.hpp>
 #include <weft/data/template.hpp>
 #include <weft/geometry/mesh_topology.hpp>
-#include <weft/geometry/solid_validation.hpp>
+#include <weft/geometry/solid/validation.hpp>
 #include <weft/geometry/texture_metric.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 

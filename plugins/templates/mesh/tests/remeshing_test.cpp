@@ -9,7 +9,7 @@
 #include <weft/geometry/face_locator.hpp>
 #include <weft/geometry/mesh_topology.hpp>
 #include <weft/geometry/mesh_validation.hpp>
-#include <weft/geometry/solid_validation.hpp>
+#include <weft/geometry/solid/validation.hpp>
 
 #include "chart_border.hpp"
 #include "coincidence.hpp"
@@ -247,8 +247,8 @@ TEST(Remeshing, KeepsShapesOfTexelsThatAreNotSquare) {
   EXPECT_GT(least_angle_deg(fewer(dense, 200)), 20.0);
 }
 
-/// A grid of columns x rows cells of which `to_space` gives the place in space, at `left_px` of the
-/// texture; a texel is 1 mm.
+/// A grid of columns x rows cells at `left_px` of the texture; `to_space` gives the places of its
+/// vertices.
 void add_chart(TexturedMesh& mesh, int columns, int rows, double cell_px, double left_px,
                const std::function<Eigen::RowVector3d(int, int)>& to_space) {
   const Eigen::Index own = mesh.flat_px.rows(), own_faces = mesh.faces.rows();
@@ -268,7 +268,7 @@ void add_chart(TexturedMesh& mesh, int columns, int rows, double cell_px, double
   }
 }
 
-/// A box of 80 x 60 x 40 mm whose six sides are charts of their own, in cells of 5 mm.
+/// A box of 80 x 60 x 40 mm whose six sides are one chart each, in cells of 5 mm.
 TexturedMesh box_of_six_charts() {
   constexpr int kCells[] = {16, 12, 8};
   TexturedMesh mesh;

@@ -7,7 +7,7 @@
 #include <vector>
 #include <weft/data/matrix.hpp>
 #include <weft/data/template.hpp>
-#include <weft/geometry/solid_validation.hpp>
+#include <weft/geometry/solid/validation.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 
 namespace {
@@ -109,7 +109,7 @@ TEST_F(VolumeTemplate, RefusesASolidAsItsSurface) {
   const PluginAnswer outcome =
       filled("{use: templates/volume, params: {surface: " + mesh_of("block.obj") + "}}");
   EXPECT_EQ(outcome.status, WEFT_ERROR);
-  EXPECT_THAT(outcome.message, HasSubstr("has tetrahedra of its own"));
+  EXPECT_THAT(outcome.message, HasSubstr("is a solid already"));
 }
 
 TEST_F(VolumeTemplate, ReportsTheErrorOfItsSurface) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -9,9 +10,8 @@
 #include <weft/core/index.hpp>
 #include <weft/core/result.hpp>
 #include <weft/core/stop_check.hpp>
-#include <weft/data/matrix.hpp>
-#include <weft/data/template.hpp>
-#include <weft/geometry/mesh_topology.hpp>
+#include <weft/data/array.hpp>
+#include <weft/geometry/solid/welding.hpp>
 #include <weft/geometry/types.hpp>
 
 namespace weft {
@@ -31,66 +31,15 @@ inline double tetrahedron_volume(const Points3View& nodes, const TetrahedraView&
   return sides.determinant() / 6.0;
 }
 
-/// The faces with each vertex replaced by the first one at its place.
-inline Faces welded_faces(const FacesView& faces, const Array<std::int32_t>& welded_vertex) {
-  Faces welded = faces;
-  if (!welded_vertex.present()) return welded;
-  for (std::int32_t& v : welded.reshaped()) v = welded_vertex(v);
-  return welded;
-}
-
 namespace detail {
 
-inline Error bad_entry(const char* array, std::int64_t index, const std::string& sentence) {
-  return {Errc::invalid_data, "the template's " + std::string(array) + " at index " +
-                                  std::to_string(index) + " " + sentence};
-}
-
-/// Largest distance that counts as the same place, as a share of the diagonal.
-inline constexpr double kSamePlace = 1e-9;
 /// Largest distance of a vertex from its place in its tetrahedron, as a share of the diagonal, and
 /// largest excess of a weight.
 inline constexpr double kEmbedded = 1e-6;
 /// Smallest volume of a tetrahedron, as a share of the cubed diagonal.
 inline constexpr double kLeastVolume = 1e-15;
 
-inline double diagonal_of(const Points3View& points) {
-  return (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
-}
-
 }  // namespace detail
-
-/// Checks `welded_vertex` of a valid surface: indices in range, each vertex names the first one at
-/// its place, and the welded surface is manifold.
-inline Result<void> validate_welding(const Points3View& vertices, const FacesView& faces,
-                                     const Array<std::int32_t>& welded_vertex) {
-  constexpr const char* kArray = "welded_vertex";
-  const double most = detail::kSamePlace * detail::diagonal_of(vertices);
-  for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
-    worked_in_loop(v);
-    const std::int32_t first = welded_vertex(v);
-    if (first < 0 || first > v) {
-      return detail::bad_entry(kArray, v,
-                               "is " + std::to_string(first) +
-                                   ": name the first vertex at the same place, from 0 to " +
-                                   std::to_string(v));
-    }
-    if (welded_vertex(first) != first) {
-      return detail::bad_entry(kArray, v,
-                               "is " + std::to_string(first) + ", which names vertex " +
-                                   std::to_string(welded_vertex(first)) + " itself: name that one");
-    }
-    const double apart = (vertices.row(v) - vertices.row(first)).norm();
-    if (apart <= most) continue;
-    return detail::bad_entry(kArray, v,
-                             "is " + std::to_string(first) + ", " + std::to_string(1e3 * apart) +
-                                 " mm away: weld only vertices at the same place");
-  }
-  const auto topology = build_topology(welded_faces(faces, welded_vertex), vertices.rows());
-  if (topology) return {};
-  return detail::bad_mesh("the template's welded_vertex joins vertices so that " +
-                          topology.error().message + ", or do not weld these vertices");
-}
 
 /// Checks a mesh of tetrahedra: at least one, indices in range, finite nodes, each in a
 /// tetrahedron, positive volumes.
@@ -178,33 +127,6 @@ inline Result<void> validate_embedding(const Points3View& vertices_m, const Poin
                                  std::to_string(e) + " again");
   }
   return {};
-}
-
-/// Checks the welding and the tetrahedra of a template whose surface is valid. A template without
-/// them is valid.
-inline Result<void> validate_solid(const Template& templ) {
-  const auto vertices_m = templ.vertices_m.matrix<3>();
-  if (templ.welded_vertex.present()) {
-    auto valid = validate_welding(vertices_m, templ.faces.matrix<3>(), templ.welded_vertex);
-    if (!valid) return valid;
-  }
-  const bool has[] = {templ.nodes_m.present(), templ.tetrahedra.present(),
-                      templ.vertex_tetrahedron.present(), templ.vertex_barycentric.present()};
-  constexpr const char* kNames[] = {"nodes_m", "tetrahedra", "vertex_tetrahedron",
-                                    "vertex_barycentric"};
-  for (std::size_t i = 1; i < 4; ++i) {
-    if (has[i] == has[0]) continue;
-    return detail::bad_mesh("the template has " + std::string(kNames[has[i] ? i : 0]) +
-                            " without " + kNames[has[i] ? 0 : i] +
-                            ": give all four arrays of a solid object (nodes_m, tetrahedra, "
-                            "vertex_tetrahedron, vertex_barycentric), or none");
-  }
-  if (!templ.is_solid()) return {};
-  const auto nodes_m = templ.nodes_m.matrix<3>();
-  const auto tetrahedra = templ.tetrahedra.matrix<4>();
-  if (auto valid = validate_tetrahedra(nodes_m, tetrahedra); !valid) return valid;
-  return validate_embedding(vertices_m, nodes_m, tetrahedra, templ.vertex_tetrahedron,
-                            templ.vertex_barycentric);
 }
 
 }  // namespace weft
