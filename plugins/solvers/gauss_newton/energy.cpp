@@ -37,7 +37,7 @@ void Energy::prepare(const MeshModel& mesh) {
   fronts_.resize(mesh.faces.rows(), 3);
   angles_rad_.resize(mesh.hinges.size());
   edge_chords_m_.resize(mesh.edges.size());
-  outline_.prepare(mesh);
+  outline_.prepare(mesh.faces, mesh.vertex_count());
   rises_m_.resize(mesh.edges.size());
   pair_chords_m_.resize(mesh.pairs.size());
 }

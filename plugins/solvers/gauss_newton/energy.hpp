@@ -12,14 +12,18 @@
 
 #include "common/cholesky/block_cholesky.hpp"
 #include "common/measurement.hpp"
+#include "common/outline/mask_outline.hpp"
+#include "common/outline/outline_term.hpp"
 #include "mesh/mesh_model.hpp"
-#include "outline/mask_outline.hpp"
-#include "outline/outline_term.hpp"
 
 namespace weft::gauss_newton {
 
 using solvers::BlockCholesky;
 using solvers::BlockMatrix;
+using solvers::MaskOutline;
+using solvers::OutlinePoint;
+using solvers::OutlineScales;
+using solvers::OutlineTerm;
 using solvers::Trust;
 using solvers::Whitening;
 

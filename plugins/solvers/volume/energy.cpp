@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "energy.hpp"
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <weft/core/index.hpp>
@@ -13,9 +14,15 @@ double part_count(const SolidModel& body) {
   return std::max(1.0, body.volume_m3() / (side_m * side_m * side_m));
 }
 
+void Energy::prepare(const SolidModel& body) {
+  body_ = &body;
+  outline_.prepare(body.faces(), body.vertices_m().rows());
+  outline_.forget();
+  outline_points_.clear();
+}
+
 double Energy::value(const FrameData& frame, const Scales& scales, const Points3& nodes_m) const {
-  return deformed(scales, nodes_m, {}) + observed(frame, scales, nodes_m, {}) +
-         known(frame, scales, nodes_m, {});
+  return sum(frame, scales, nodes_m, {});
 }
 
 double Energy::linearise(const FrameData& frame, const Scales& scales, const Points3& nodes_m,
@@ -23,8 +30,13 @@ double Energy::linearise(const FrameData& frame, const Scales& scales, const Poi
   gradient.setZero();
   matrix.set_zero();
   const Derivatives to{&gradient, &matrix};
+  return sum(frame, scales, nodes_m, to);
+}
+
+double Energy::sum(const FrameData& frame, const Scales& scales, const Points3& nodes_m,
+                   const Derivatives& to) const {
   return deformed(scales, nodes_m, to) + observed(frame, scales, nodes_m, to) +
-         known(frame, scales, nodes_m, to);
+         outlined(frame, scales, nodes_m, to) + known(frame, scales, nodes_m, to);
 }
 
 double Energy::mean_deformation(const Material& material, const Points3& nodes_m) const {
@@ -109,6 +121,67 @@ double Energy::observed(const FrameData& frame, const Scales& scales, const Poin
               weight * whitened.transpose() * whitened, to);
   }
   return energy;
+}
+
+void Energy::meet_outline(const FrameData& frame, const Scales& scales, const Points3& nodes_m) {
+  constexpr std::size_t kEnoughObservations = 30;
+  constexpr double kMostTrace = 0.5;
+  outline_points_.clear();
+  outline_.forget();
+  if (!frame.outline.present()) return;
+  const Points3 surface_m = body_->surface_of(nodes_m);
+  const auto on_surface = [&](std::int32_t face, const std::array<double, 3>& weights) {
+    Eigen::Vector3d point = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < 3; ++k) {
+      point += weights[k] *
+               surface_m.row(body_->faces()(face, static_cast<Eigen::Index>(k))).transpose();
+    }
+    return point;
+  };
+  outline_.meet(frame.outline, frame.camera, scales.outline, surface_m, {}, on_surface);
+  outline_.share = scales.outline.share;
+  for (const solvers::OutlinePoint& each : outline_.points()) {
+    outline_points_.push_back(
+        body_->point_of(each.face, {each.weights[0], each.weights[1], each.weights[2]}));
+  }
+  if (frame.observations.size() < kEnoughObservations) return;
+  const auto trace_of = [&](auto&& add) {
+    trace_matrix_.diagonal.assign(to_index(nodes_m.rows()), Eigen::Matrix3d::Zero());
+    trace_matrix_.coupling.assign(body_->couplings().size(), Eigen::Matrix3d::Zero());
+    Points3 unused = Points3::Zero(nodes_m.rows(), 3);
+    add(Derivatives{&unused, &trace_matrix_});
+    double trace = 0.0;
+    for (const Eigen::Matrix3d& block : trace_matrix_.diagonal) trace += block.trace();
+    return trace;
+  };
+  const double of_matches =
+      trace_of([&](const Derivatives& to) { observed(frame, scales, nodes_m, to); });
+  const double of_outline =
+      trace_of([&](const Derivatives& to) { outlined(frame, scales, nodes_m, to); });
+  if (of_outline > kMostTrace * of_matches) outline_.share *= kMostTrace * of_matches / of_outline;
+}
+
+double Energy::outlined(const FrameData& frame, const Scales& scales, const Points3& nodes_m,
+                        const Derivatives& to) const {
+  if (!frame.outline.present() || !(scales.outline.share > 0.0)) return 0.0;
+  const Pinhole& camera = frame.camera;
+  const double per_px = 1.0 / scales.outline.noise_px;
+  double energy = outline_.missed();
+  for (std::size_t i = 0; i < outline_points_.size(); ++i) {
+    const solvers::OutlinePoint& line = outline_.points()[i];
+    const Eigen::Vector3d p = outline_points_[i].on(body_->tetrahedra(), nodes_m);
+    if (!(p.z() > 0.0)) return std::numeric_limits<double>::infinity();
+    const double off = per_px * (line.normal.dot(project(camera, p)) - line.offset_px);
+    double own = 0.0;
+    const double weight = outline_.share * line.share * outline_.loss().weight(off, own);
+    energy += line.share * own;
+    if (to.gradient == nullptr) continue;
+    const Eigen::Vector2d along(camera.fx * line.normal.x(), camera.fy * line.normal.y());
+    const Eigen::Vector3d slope =
+        per_px / p.z() * Eigen::Vector3d(along.x(), along.y(), -along.dot(p.head<2>()) / p.z());
+    add_point(outline_points_[i], weight * off * slope, weight * slope * slope.transpose(), to);
+  }
+  return outline_.share * energy;
 }
 
 double Energy::known(const FrameData& frame, const Scales& scales, const Points3& nodes_m,

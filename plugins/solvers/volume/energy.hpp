@@ -7,6 +7,8 @@
 #include <weft/geometry/types.hpp>
 
 #include "common/measurement.hpp"
+#include "common/outline/mask_outline.hpp"
+#include "common/outline/outline_term.hpp"
 #include "elasticity.hpp"
 #include "solid_model.hpp"
 
@@ -31,15 +33,17 @@ struct FrameData {
   Pinhole camera;
   std::vector<Observation> observations;
   std::vector<KnownPlace> known;
+  solvers::MaskOutline outline;  ///< absent without a mask
 };
 
 /// How far things are usually off: standard deviations.
 struct Scales {
   solvers::Trust trust;
   Material material;
-  double strain = 0.5;        ///< [] of a part of the body that is independent of the others
-  double mean_strain = 0.01;  ///< [] of the mean over the thickness of the body
-  double known_m = 1e-4;      ///< [] m, of a known point beyond its radius
+  double strain = 0.1;             ///< [] of a part of the body that is independent of the others
+  double mean_strain = 0.005;      ///< [] of the mean over the thickness of the body
+  double known_m = 1e-4;           ///< [] m, of a known point beyond its radius
+  solvers::OutlineScales outline;  ///< distance of the rim from the outline of the mask
 };
 
 /// Number of independent parts of a body, each a sixth of the diagonal of its box wide.
@@ -49,6 +53,7 @@ double part_count(const SolidModel& body);
 ///   (n / strain^2) sum_e v_e psi(F_e)                    deformation, psi of Material
 ///   + (n / mean_strain^2) sum_b v_b psi(mean F in b)     mean deformation of thick parts
 ///   + sum_i rho(|W_i (pi(p_i(x)) - u_i)|)                observations, rho of Trust
+///   + the sum of OutlineTerm                            outline of a mask
 ///   + sum_p ((|p(x) - c_p| - radius_p)+ / known_m)^2     known points,
 /// over the tetrahedra e and the thick parts b with the shares v of the volume, and n parts
 /// (part_count()). The deformations of neighbouring tetrahedra are alike, so that a finer lattice
@@ -56,7 +61,12 @@ double part_count(const SolidModel& body);
 class Energy {
  public:
   /// `body` must outlive it.
-  void prepare(const SolidModel& body) { body_ = &body; }
+  void prepare(const SolidModel& body);
+
+  /// Finds where the rim of a shape meets the outline; until then it has the points of the last
+  /// one. With 30 observations or more the trace of its curvature is at most half of theirs.
+  void meet_outline(const FrameData& frame, const Scales& scales, const Points3& nodes_m);
+  const solvers::OutlineTerm& outline() const { return outline_; }
 
   /// The energy of nodes [K,3] m; infinite where an observed point is not in front of the camera.
   double value(const FrameData& frame, const Scales& scales, const Points3& nodes_m) const;
@@ -76,8 +86,12 @@ class Energy {
     solvers::BlockMatrix* matrix = nullptr;
   };
 
+  double sum(const FrameData& frame, const Scales& scales, const Points3& nodes_m,
+             const Derivatives& to) const;
   double deformed(const Scales& scales, const Points3& nodes_m, const Derivatives& to) const;
   double observed(const FrameData& frame, const Scales& scales, const Points3& nodes_m,
+                  const Derivatives& to) const;
+  double outlined(const FrameData& frame, const Scales& scales, const Points3& nodes_m,
                   const Derivatives& to) const;
   double known(const FrameData& frame, const Scales& scales, const Points3& nodes_m,
                const Derivatives& to) const;
@@ -90,6 +104,9 @@ class Energy {
                  const Eigen::Matrix3d& half_curvature, const Derivatives& to) const;
 
   const SolidModel* body_ = nullptr;
+  solvers::OutlineTerm outline_;
+  std::vector<BodyPoint> outline_points_;  ///< of the points of outline_
+  solvers::BlockMatrix trace_matrix_;
 };
 
 }  // namespace weft::volume

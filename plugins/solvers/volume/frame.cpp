@@ -22,6 +22,7 @@ Result<void> Frame::read(const SolverInput& in, const SolidModel& body) {
   data.camera = {in.camera.fx, in.camera.fy, in.camera.cx, in.camera.cy};
   data.observations.clear();
   data.known.clear();
+  data.outline.clear();
   seen.clear();
   observed.assign(to_index(body.vertices_m().rows()), 0);
   if (!in.correspondences) return Error{Errc::invalid_data, "needs 'correspondences'"};
@@ -33,6 +34,9 @@ Result<void> Frame::read(const SolverInput& in, const SolidModel& body) {
   if (solvers::lie_on_a_line(data.observations,
                              [](const Observation& each) { return each.seen_px; })) {
     return no_result("the matches lie on a line of the image, or in one place");
+  }
+  if (in.object_mask) {
+    if (auto read = data.outline.read(*in.object_mask, in.camera); !read) return read;
   }
   if (!in.known_points) return {};
   return read_known(*in.known_points, in.templ, body);

@@ -67,6 +67,8 @@ Candidate BodySearch::from(Guess guess, const Frame& frame, const Points3& nodes
     Scales stage = scales;
     stage.trust = {trust, false};
     stage.strain *= strain;
+    stage.mean_strain *= strain;
+    if (trust > kHuber) stage.outline.share = 0.0;
     candidate.approach_iterations += minimise(frame, stage, approach, candidate.nodes_m).iterations;
   };
   if (guess == Guess::rigid) {
@@ -74,9 +76,12 @@ Candidate BodySearch::from(Guess guess, const Frame& frame, const Points3& nodes
     settle(kFarHuber, 1.0);
   }
   settle(kHuber, 1.0);
-  candidate.result = minimise(frame, scales, options, candidate.nodes_m);
-  candidate.result.energy = energy_.value(frame.data, scales, candidate.nodes_m);
-  candidate.fit = measure(*body_, energy_, frame.data, scales, candidate.nodes_m);
+  Scales last = scales;
+  last.outline.reach_px = std::min(scales.outline.reach_px, scales.outline.outlier_px);
+  candidate.result = minimise(frame, last, options, candidate.nodes_m);
+  energy_.meet_outline(frame.data, last, candidate.nodes_m);
+  candidate.result.energy = energy_.value(frame.data, last, candidate.nodes_m);
+  candidate.fit = measure(*body_, energy_, frame.data, last, candidate.nodes_m);
   return candidate;
 }
 
@@ -89,6 +94,7 @@ MinimiserResult BodySearch::minimise(const Frame& frame, const Scales& stage,
   }
   const auto linearise = [&](int, const Points3& at_m, Points3& gradient,
                              solvers::BlockMatrix& matrix) {
+    energy_.meet_outline(frame.data, stage, at_m);
     return energy_.linearise(frame.data, stage, at_m, gradient, matrix);
   };
   const auto value = [&](const Points3& at_m) { return energy_.value(frame.data, stage, at_m); };

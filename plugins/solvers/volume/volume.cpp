@@ -31,7 +31,7 @@ class Volume final : public Solver {
           "elasticity, SCA (2012); Smith, de Goes, Kim, Analytic eigensystems for isotropic "
           "distortion energies, ACM TOG 38 (2019)",
       .needs = "correspondences",
-      .reads = "previous.shape known_points"};
+      .reads = "previous.shape known_points object_mask"};
 
   explicit Volume(Params& p) {
     search_.scales.trust = {3.0, true};
@@ -43,6 +43,8 @@ class Volume final : public Solver {
            "Poisson's ratio of the material: 0 for cork, 0.3 for a sponge, 0.49 for an organ");
     p.read("strain", search_.scales.strain, "", {1e-4, 10.0},
            "standard deviation of the strain of a part of the body, a sixth of the diagonal wide");
+    p.read("mean_strain", search_.scales.mean_strain, "", {1e-4, 10.0},
+           "standard deviation of the strain, averaged over the thickness of the body");
     p.read("match_noise_px", frame_.options.match_noise_px, "px", {1e-3, 100.0},
            "standard deviation, along u and v, of a match without a covariance");
     p.read("covariance_noise_px", frame_.options.covariance_noise_px, "px", {0.0, 100.0},
@@ -60,6 +62,14 @@ class Volume final : public Solver {
     p.read("scale_noise", noise_.scale, "", {0.0, 1.0},
            "relative standard deviation of the template's size and of the focal length, for the "
            "covariance");
+    solvers::OutlineScales& outline = search_.scales.outline;
+    p.read("outline_noise_px", outline.noise_px, "px", {1e-2, 100.0},
+           "standard deviation of a point of the mask's outline, across the outline");
+    p.read("outline_outlier_px", outline.outlier_px, "px", {0.1, 1000.0},
+           "distance between the rim of the shape and the outline from which on it has no "
+           "influence");
+    p.read("outline_weight", outline.share, "", {0.0, 1000.0},
+           "factor on the weight of the outline; 0: no such term");
     p.read("covariance", wants_covariance_, "covariance of each vertex in the result");
   }
 
@@ -138,6 +148,10 @@ class Volume final : public Solver {
     diag.set("far_share", best.fit.far_share);
     diag.set("coherence", best.fit.coherence);
     diag.set("deformation", best.fit.deformation);
+    if (frame_.data.outline.present()) {
+      diag.set("outline_points", static_cast<double>(search_.energy().outline().points().size()));
+      diag.set("outline_met", search_.energy().outline().met_share());
+    }
     diag.set("start", static_cast<double>(best.guess));
     diag.set("starts_tried", search_.tried());
   }

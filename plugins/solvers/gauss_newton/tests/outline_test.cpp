@@ -7,14 +7,18 @@
 #include <numbers>
 #include <weft/data/matrix.hpp>
 
+#include "common/outline/mask_outline.hpp"
+#include "common/outline/rim.hpp"
 #include "energy.hpp"
 #include "mask_scene.hpp"
-#include "outline/mask_outline.hpp"
 #include "outline/outline_start.hpp"
-#include "outline/rim.hpp"
 
 namespace weft::gauss_newton {
 namespace {
+
+using solvers::ContourPoint;
+using solvers::RimFinder;
+using solvers::RimPoint;
 
 using testing::PluginUnderTest;
 
@@ -80,7 +84,7 @@ TEST(RimFinder, FindsTheBorderOfASheetWithNormalsThatLeaveIt) {
   MeshModel mesh;
   ASSERT_TRUE(mesh.build(scene.templ, 0.0));
   RimFinder finder;
-  finder.prepare(mesh);
+  finder.prepare(mesh.faces, mesh.vertex_count());
   const Pinhole camera = testing::pinhole(scene.camera);
   const auto& rim = finder.find(camera, 640, 480, scene.truth_m, {});
   const double around_px = 2.0 * 817.0 * (0.297 + 0.192) / 0.6;
@@ -97,7 +101,7 @@ TEST(RimFinder, OmitsBordersBeforeOrBehindTheSheetAndCoveredOnes) {
   MeshModel mesh;
   ASSERT_TRUE(mesh.build(scene.templ, 0.0));
   RimFinder finder;
-  finder.prepare(mesh);
+  finder.prepare(mesh.faces, mesh.vertex_count());
   const Pinhole camera = testing::pinhole(scene.camera);
   // The right third is folded over to the left, a little nearer to the camera.
   const double fold_m = scene.truth_m(6, 0);

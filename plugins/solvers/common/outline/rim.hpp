@@ -8,9 +8,7 @@
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "gauss_newton/mesh/mesh_model.hpp"
-
-namespace weft::gauss_newton {
+namespace weft::solvers {
 
 /// A point of the rim of a shape in the image.
 struct RimPoint {
@@ -25,8 +23,8 @@ struct RimPoint {
 /// image.
 class RimFinder {
  public:
-  /// Structure for a mesh, which must outlive it.
-  void prepare(const MeshModel& mesh);
+  /// Structure for a mesh of faces [F,3] without an edge of three.
+  void prepare(const Faces& faces, Eigen::Index vertex_count);
 
   /// The rim of a shape [V,3] in an image of this size, in points at distances of 4 px, or
   /// more in large images. `covered` [V] is 1 for vertices that something hides; edges between them
@@ -48,7 +46,7 @@ class RimFinder {
   double turn(Eigen::Index face) const;  ///< px^2, twice the signed area in the image
   void add_points(const Side& side);
 
-  const MeshModel* mesh_ = nullptr;
+  Faces faces_;
   std::vector<Side> sides_;
   std::vector<Eigen::Vector2d> places_px_;  ///< [V]
   std::vector<std::uint8_t> raster_;        ///< 1 where the mesh covers a cell
@@ -57,4 +55,4 @@ class RimFinder {
   std::vector<RimPoint> points_;
 };
 
-}  // namespace weft::gauss_newton
+}  // namespace weft::solvers

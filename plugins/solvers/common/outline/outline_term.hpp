@@ -12,7 +12,7 @@
 #include "mask_outline.hpp"
 #include "rim.hpp"
 
-namespace weft::gauss_newton {
+namespace weft::solvers {
 
 /// How the outline of a mask counts.
 struct OutlineScales {
@@ -53,7 +53,7 @@ struct OutlinePoint {
 /// kind that meets nothing adds most(), so that shapes can be compared.
 class OutlineTerm {
  public:
-  void prepare(const MeshModel& mesh) { rim_.prepare(mesh); }
+  void prepare(const Faces& faces, Eigen::Index vertex_count) { rim_.prepare(faces, vertex_count); }
 
   /// Finds which points meet, for the shape [V,3]. `on_surface(face, weights)` is where the surface
   /// is over a point of a face, in m.
@@ -95,4 +95,4 @@ class OutlineTerm {
   std::size_t rim_met_ = 0, rim_missed_ = 0;
 };
 
-}  // namespace weft::gauss_newton
+}  // namespace weft::solvers

@@ -4,7 +4,7 @@
 #include <limits>
 #include <weft/core/stop_check.hpp>
 
-namespace weft::gauss_newton {
+namespace weft::solvers {
 namespace {
 
 constexpr double kContourShare = 0.5;
@@ -66,4 +66,4 @@ void OutlineTerm::meet_contour(const MaskOutline& outline, double reach_px,
   }
 }
 
-}  // namespace weft::gauss_newton
+}  // namespace weft::solvers

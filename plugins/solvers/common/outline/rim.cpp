@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
-namespace weft::gauss_newton {
+namespace weft::solvers {
 namespace {
 
 constexpr double kLeastCell_px = 2.0, kMostCells = 400.0;
@@ -20,20 +22,20 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 
 }  // namespace
 
-void RimFinder::prepare(const MeshModel& mesh) {
-  mesh_ = &mesh;
-  places_px_.resize(to_index(mesh.vertex_count()));
+void RimFinder::prepare(const Faces& faces, Eigen::Index vertex_count) {
+  faces_ = faces;
+  places_px_.resize(to_index(vertex_count));
   sides_.clear();
-  std::vector<std::int32_t> side_of(mesh.edges.size(), -1);
-  for (Eigen::Index f = 0; f < mesh.faces.rows(); ++f) {
+  std::map<std::pair<std::int32_t, std::int32_t>, std::size_t> side_of;
+  for (std::int32_t f = 0; f < faces_.rows(); ++f) {
     for (std::int32_t k = 0; k < 3; ++k) {
-      std::int32_t& first = side_of[to_index(mesh.face_arcs(f, k))];
-      if (first >= 0) {
-        sides_[to_index(first)].across = static_cast<std::int32_t>(f);
-        continue;
+      const auto edge = std::minmax({faces_(f, k), faces_(f, (k + 1) % 3)});
+      const auto [found, is_new] = side_of.try_emplace(edge, sides_.size());
+      if (is_new) {
+        sides_.push_back({f, -1, {k, (k + 1) % 3, (k + 2) % 3}});
+      } else {
+        sides_[found->second].across = f;
       }
-      first = static_cast<std::int32_t>(sides_.size());
-      sides_.push_back({static_cast<std::int32_t>(f), -1, {k, (k + 1) % 3, (k + 2) % 3}});
     }
   }
 }
@@ -51,8 +53,8 @@ const std::vector<RimPoint>& RimFinder::find(const Pinhole& camera, double width
     const bool is_border = side.across < 0;
     if (!is_border && !(turn(side.face) * turn(side.across) < 0.0)) continue;
     if (!covered.empty()) {
-      const std::int32_t a = mesh_->faces(side.face, side.corner[0]);
-      const std::int32_t b = mesh_->faces(side.face, side.corner[1]);
+      const std::int32_t a = faces_(side.face, side.corner[0]);
+      const std::int32_t b = faces_(side.face, side.corner[1]);
       if (covered[to_index(a)] != 0 && covered[to_index(b)] != 0) continue;
     }
     add_points(side);
@@ -61,7 +63,7 @@ const std::vector<RimPoint>& RimFinder::find(const Pinhole& camera, double width
 }
 
 double RimFinder::turn(Eigen::Index face) const {
-  const auto at = [&](Eigen::Index k) { return places_px_[to_index(mesh_->faces(face, k))]; };
+  const auto at = [&](Eigen::Index k) { return places_px_[to_index(faces_(face, k))]; };
   return cross(at(1) - at(0), at(2) - at(0));
 }
 
@@ -70,14 +72,14 @@ void RimFinder::fill(double width_px, double height_px) {
   columns_ = static_cast<std::int64_t>(std::ceil(width_px / cell_px_));
   rows_ = static_cast<std::int64_t>(std::ceil(height_px / cell_px_));
   raster_.assign(to_index(columns_ * rows_), 0);
-  for (Eigen::Index f = 0; f < mesh_->faces.rows(); ++f) fill_face(f);
+  for (Eigen::Index f = 0; f < faces_.rows(); ++f) fill_face(f);
 }
 
 /// Marks the cells whose centres are in the face, row by row.
 void RimFinder::fill_face(Eigen::Index face) {
   std::array<Eigen::Vector2d, 3> corner;
   for (std::size_t k = 0; k < 3; ++k) {
-    const std::int32_t v = mesh_->faces(face, static_cast<Eigen::Index>(k));
+    const std::int32_t v = faces_(face, static_cast<Eigen::Index>(k));
     corner[k] = places_px_[to_index(v)] / cell_px_;
   }
   const auto [top, bottom] = std::minmax({corner[0].y(), corner[1].y(), corner[2].y()});
@@ -115,7 +117,7 @@ bool RimFinder::is_covered(const Eigen::Vector2d& place_px) const {
 
 void RimFinder::add_points(const Side& side) {
   const auto at = [&](std::size_t k) {
-    return places_px_[to_index(mesh_->faces(side.face, side.corner[k]))];
+    return places_px_[to_index(faces_(side.face, side.corner[k]))];
   };
   const Eigen::Vector2d a = at(0), along = at(1) - a;
   const double length_px = along.norm();
@@ -135,4 +137,4 @@ void RimFinder::add_points(const Side& side) {
   }
 }
 
-}  // namespace weft::gauss_newton
+}  // namespace weft::solvers

@@ -7,7 +7,7 @@
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
-namespace weft::gauss_newton {
+namespace weft::solvers {
 namespace {
 
 constexpr double kEdge = 127.5;
@@ -136,4 +136,4 @@ void MaskOutline::find_contour() {
   }
 }
 
-}  // namespace weft::gauss_newton
+}  // namespace weft::solvers

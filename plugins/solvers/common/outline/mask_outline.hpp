@@ -8,7 +8,7 @@
 #include <weft/data/camera.hpp>
 #include <weft/data/image.hpp>
 
-namespace weft::gauss_newton {
+namespace weft::solvers {
 
 /// A point of the outline in the image.
 struct ContourPoint {
@@ -58,4 +58,4 @@ class MaskOutline {
   std::vector<ContourPoint> contour_;
 };
 
-}  // namespace weft::gauss_newton
+}  // namespace weft::solvers
