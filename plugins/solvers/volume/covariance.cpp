@@ -16,7 +16,7 @@ constexpr double kOutlineNoise = 3.0;
 
 /// Standard deviation of an observation, in units of what the energy takes it for.
 double observed_noise(const Fit& fit) {
-  return std::hypot(0.1, 2.0 * fit.residual * std::sqrt(fit.coherence));
+  return std::hypot(0.1, fit.residual * std::sqrt(fit.coherence));
 }
 
 /// Strain by which the body differs from the stiffest one that the observations allow.
@@ -33,6 +33,7 @@ Array<double> covariance_m2(const SolidModel& body, const Energy& energy, const 
   Scales wide = scales;
   wide.strain = strain_of(fit) / observed;
   wide.mean_strain = std::hypot(scales.mean_strain, kMeanStrain) / observed;
+  wide.unevenness = scales.unevenness / observed;
   wide.outline.noise_px *= kOutlineNoise;
   wide.known_m = std::max(scales.known_m, 5e-4) / observed;
   Points3 gradient(nodes_m.rows(), 3);

@@ -49,7 +49,34 @@ double Energy::mean_deformation(const Material& material, const Points3& nodes_m
 
 double Energy::deformed(const Scales& scales, const Points3& nodes_m, const Derivatives& to) const {
   return deformed(body_->tetrahedra(), scales.strain, scales.material, nodes_m, to) +
-         deformed(body_->parts(), scales.mean_strain, scales.material, nodes_m, to);
+         deformed(body_->parts(), scales.mean_strain, scales.material, nodes_m, to) +
+         uneven(scales.unevenness, nodes_m, to);
+}
+
+double Energy::uneven(double unevenness, const Points3& nodes_m, const Derivatives& to) const {
+  const double weight = part_count(*body_) / (unevenness * unevenness);
+  const auto& pairs = body_->couplings();
+  worked(static_cast<std::int64_t>(pairs.size()) / 4);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < body_->uneven_diagonal().size(); ++k) {
+    const double own = weight * body_->uneven_diagonal()[k];
+    const auto row = static_cast<Eigen::Index>(k);
+    sum += own * nodes_m.row(row).squaredNorm();
+    if (to.gradient == nullptr) continue;
+    to.gradient->row(row) += own * nodes_m.row(row);
+    to.matrix->diagonal[k].diagonal().array() += own;
+  }
+  for (std::size_t c = 0; c < pairs.size(); ++c) {
+    const double both = weight * body_->uneven_coupling()[c];
+    if (both == 0.0) continue;
+    const auto& [i, j] = pairs[c];
+    sum += 2.0 * both * nodes_m.row(i).dot(nodes_m.row(j));
+    if (to.gradient == nullptr) continue;
+    to.gradient->row(i) += both * nodes_m.row(j);
+    to.gradient->row(j) += both * nodes_m.row(i);
+    to.matrix->coupling[c].diagonal().array() += both;
+  }
+  return sum;
 }
 
 template <class Cell>
@@ -76,18 +103,25 @@ template <class Cell>
 void Energy::add_cell(const Cell& in, double weight, const Linearised& at,
                       const Derivatives& to) const {
   std::vector<Linearised::Slope> slopes;
+  std::vector<std::uint8_t> counts;  // a thick part has nodes around it that its mean leaves out
   slopes.reserve(in.node.size());
   for (std::size_t a = 0; a < in.node.size(); ++a) {
     const Eigen::Vector3d slope = in.slopes.col(static_cast<Eigen::Index>(a));
     slopes.push_back(at.slope(slope));
+    counts.push_back(slope.isZero(0.0) ? 0 : 1);
     to.gradient->row(in.node[a]) += weight * (at.half_stress() * slope).transpose();
   }
   std::size_t pair = 0;
   for (std::size_t a = 0; a < in.node.size(); ++a) {
+    if (counts[a] == 0) {
+      pair += in.node.size() - a - 1;
+      continue;
+    }
     to.matrix->diagonal[to_index(in.node[a])] += weight * at.half_curvature(slopes[a], slopes[a]);
-    for (std::size_t b = a + 1; b < in.node.size(); ++b) {
+    for (std::size_t b = a + 1; b < in.node.size(); ++b, ++pair) {
+      if (counts[b] == 0) continue;
       const Eigen::Matrix3d block = weight * at.half_curvature(slopes[a], slopes[b]);
-      Eigen::Matrix3d& into = to.matrix->coupling[to_index(in.coupling[pair++])];
+      Eigen::Matrix3d& into = to.matrix->coupling[to_index(in.coupling[pair])];
       if (in.node[a] < in.node[b]) {
         into += block;
       } else {

@@ -40,8 +40,9 @@ struct FrameData {
 struct Scales {
   solvers::Trust trust;
   Material material;
-  double strain = 0.1;             ///< [] of a part of the body that is independent of the others
-  double mean_strain = 0.005;      ///< [] of the mean over the thickness of the body
+  double strain = 0.3;             ///< [] of a part of the body that is independent of the others
+  double mean_strain = 0.003;      ///< [] of the mean over the thickness of the body
+  double unevenness = 0.01;        ///< [] of nodes from a map of second degree, in radii
   double known_m = 1e-4;           ///< [] m, of a known point beyond its radius
   solvers::OutlineScales outline;  ///< distance of the rim from the outline of the mask
 };
@@ -52,6 +53,7 @@ double part_count(const SolidModel& body);
 /// The sum of squares that the nodes x minimise,
 ///   (n / strain^2) sum_e v_e psi(F_e)                    deformation, psi of Material
 ///   + (n / mean_strain^2) sum_b v_b psi(mean F in b)     mean deformation of thick parts
+///   + (n / unevenness^2) sum_b v_b U_b(x)               uneven deformation of thick parts
 ///   + sum_i rho(|W_i (pi(p_i(x)) - u_i)|)                observations, rho of Trust
 ///   + the sum of OutlineTerm                            outline of a mask
 ///   + sum_p ((|p(x) - c_p| - radius_p)+ / known_m)^2     known points,
@@ -98,6 +100,7 @@ class Energy {
   template <class Cell>
   double deformed(const std::vector<Cell>& cells, double strain, const Material& material,
                   const Points3& nodes_m, const Derivatives& to) const;
+  double uneven(double unevenness, const Points3& nodes_m, const Derivatives& to) const;
   template <class Cell>
   void add_cell(const Cell& in, double weight, const Linearised& at, const Derivatives& to) const;
   void add_point(const BodyPoint& point, const Eigen::Vector3d& half_gradient,

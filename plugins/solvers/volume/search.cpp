@@ -68,6 +68,7 @@ Candidate BodySearch::from(Guess guess, const Frame& frame, const Points3& nodes
     stage.trust = {trust, false};
     stage.strain *= strain;
     stage.mean_strain *= strain;
+    stage.unevenness *= strain;
     if (trust > kHuber) stage.outline.share = 0.0;
     candidate.approach_iterations += minimise(frame, stage, approach, candidate.nodes_m).iterations;
   };

@@ -43,6 +43,7 @@ Result<void> SolidModel::build(const Template& templ) {
   if (auto read = read_surface(templ); !read) return read;
   parts_ = thick_parts(*this);
   number_couplings();
+  add_unevenness();
   return {};
 }
 
@@ -83,6 +84,20 @@ void SolidModel::number_couplings() {
     }
   }
   couplings_ = numbers.pairs();
+}
+
+void SolidModel::add_unevenness() {
+  uneven_diagonal_.assign(to_index(nodes_m_.rows()), 0.0);
+  uneven_coupling_.assign(couplings_.size(), 0.0);
+  for (const ThickPart& part : parts_) {
+    std::size_t at = 0, pair = 0;
+    for (std::size_t a = 0; a < part.node.size(); ++a) {
+      uneven_diagonal_[to_index(part.node[a])] += part.share * part.unevenness[at++];
+      for (std::size_t b = a + 1; b < part.node.size(); ++b) {
+        uneven_coupling_[to_index(part.coupling[pair++])] += part.share * part.unevenness[at++];
+      }
+    }
+  }
 }
 
 Result<void> SolidModel::add_tetrahedron(const std::int32_t* node, std::int64_t index,

@@ -35,7 +35,10 @@ struct ThickPart {
   std::vector<std::int32_t> node;      ///< [n]
   std::vector<std::int32_t> coupling;  ///< [n (n - 1) / 2] of the nodes 01, 02, ..., 12, 13, ...
   Eigen::Matrix<double, 3, Eigen::Dynamic> slopes;  ///< [3,n] 1/m, F is sum_a x_a slopes_a^T
-  double share = 0.0;                               ///< [] of the sum of the volumes of all parts
+  /// [n (n + 1) / 2] 1/m^2, upper triangle, row by row, of the quadratic form of a coordinate x [n]
+  /// that is the mean of |x - q|^2 in squared radii, with q of second degree in the place at rest.
+  std::vector<double> unevenness;
+  double share = 0.0;  ///< [] of the sum of the volumes of all parts
 
   /// The mean F [3,3] of nodes [K,3] m.
   Eigen::Matrix3d gradient(const Points3& nodes_m) const {
@@ -76,7 +79,10 @@ class SolidModel {
   const Faces& faces() const { return faces_; }              ///< [F,3]
   const std::vector<Tetrahedron>& tetrahedra() const { return tetrahedra_; }
   const std::vector<ThickPart>& parts() const { return parts_; }
-  const std::vector<BodyPoint>& vertices() const { return vertices_; }  ///< [V]
+  /// Quadratic form of a coordinate of the nodes that is the mean unevenness of the parts.
+  const std::vector<double>& uneven_diagonal() const { return uneven_diagonal_; }  ///< [K]
+  const std::vector<double>& uneven_coupling() const { return uneven_coupling_; }  ///< [C]
+  const std::vector<BodyPoint>& vertices() const { return vertices_; }             ///< [V]
   const solvers::BlockCholesky::Pairs& couplings() const { return couplings_; }
   double diagonal_m() const { return diagonal_m_; }  ///< m, of the surface at rest
   double volume_m3() const { return volume_m3_; }
@@ -91,6 +97,7 @@ class SolidModel {
   Result<void> read_body(const Template& templ);
   Result<void> read_surface(const Template& templ);
   void number_couplings();
+  void add_unevenness();
   Result<void> add_tetrahedron(const std::int32_t* node, std::int64_t index, double filled);
   Eigen::Vector4d weights_in(std::int32_t tetrahedron, const Eigen::Vector3d& point_m) const;
 
@@ -98,6 +105,7 @@ class SolidModel {
   Faces faces_;
   std::vector<Tetrahedron> tetrahedra_;
   std::vector<ThickPart> parts_;
+  std::vector<double> uneven_diagonal_, uneven_coupling_;
   std::vector<BodyPoint> vertices_;
   std::vector<std::vector<std::int32_t>> candidates_;  ///< [F] tetrahedra that may hold its points
   solvers::BlockCholesky::Pairs couplings_;

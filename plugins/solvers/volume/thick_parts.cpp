@@ -3,11 +3,11 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <numeric>
+#include <set>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
 
@@ -82,7 +82,7 @@ struct Quarter {
   double weight;
 };
 
-std::vector<Quarter> quarters_in(const SolidModel& body, const Ball& ball) {
+std::vector<Quarter> quarters_in(const SolidModel& body, const Ball& ball, double radius_m) {
   std::vector<Quarter> found;
   for (std::size_t e = 0; e < body.tetrahedra().size(); ++e) {
     const Tetrahedron& each = body.tetrahedra()[e];
@@ -93,7 +93,7 @@ std::vector<Quarter> quarters_in(const SolidModel& body, const Ball& ball) {
     const Eigen::Vector3d centre_m = corners.rowwise().mean();
     for (int a = 0; a < 4; ++a) {
       const Eigen::Vector3d place_m = 0.5 * (centre_m + corners.col(a));
-      if ((place_m - ball.centre_m).norm() < ball.radius_m) {
+      if ((place_m - ball.centre_m).norm() < radius_m) {
         found.push_back({e, place_m, each.share});
       }
     }
@@ -118,29 +118,82 @@ void balance(const Ball& ball, std::vector<Quarter>& quarters) {
   }
 }
 
+/// The nodes of quarters of tetrahedra in ascending order.
+std::vector<std::int32_t> nodes_of(const SolidModel& body, const std::vector<Quarter>& quarters) {
+  std::set<std::int32_t> nodes;
+  for (const Quarter& each : quarters) {
+    const auto& of = body.tetrahedra()[each.tetrahedron].node;
+    nodes.insert(of.begin(), of.end());
+  }
+  return {nodes.begin(), nodes.end()};
+}
+
+/// The gradients in the quarters, one axis after the other, as a matrix [3 q, n] on the nodes.
+Eigen::MatrixXd gradients_of(const SolidModel& body, const std::vector<Quarter>& quarters,
+                             const std::vector<std::int32_t>& nodes) {
+  const auto count = static_cast<Eigen::Index>(quarters.size());
+  Eigen::MatrixXd gradients =
+      Eigen::MatrixXd::Zero(3 * count, static_cast<Eigen::Index>(nodes.size()));
+  for (Eigen::Index q = 0; q < count; ++q) {
+    const Tetrahedron& in = body.tetrahedra()[quarters[to_index(q)].tetrahedron];
+    for (std::size_t a = 0; a < 4; ++a) {
+      const auto column = std::lower_bound(nodes.begin(), nodes.end(), in.node[a]) - nodes.begin();
+      for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        gradients(axis * count + q, column) += in.slopes(axis, static_cast<Eigen::Index>(a));
+      }
+    }
+  }
+  return gradients;
+}
+
+Eigen::VectorXd weights_of(const std::vector<Quarter>& quarters) {
+  Eigen::VectorXd weights(static_cast<Eigen::Index>(quarters.size()));
+  for (std::size_t q = 0; q < quarters.size(); ++q) {
+    weights[static_cast<Eigen::Index>(q)] = quarters[q].weight;
+  }
+  return weights / weights.sum();
+}
+
+/// (I - B B^+) / (n r^2) with the monomials up to the second degree of the places of the nodes,
+/// from the centre in radii, in the rows of B [n,10].
+Eigen::MatrixXd unevenness_of(const SolidModel& body, const Ball& ball,
+                              const std::vector<std::int32_t>& nodes) {
+  const auto count = static_cast<Eigen::Index>(nodes.size());
+  Eigen::Matrix<double, Eigen::Dynamic, 10> monomials(count, 10);
+  for (Eigen::Index a = 0; a < count; ++a) {
+    const Eigen::Vector3d p =
+        (body.nodes_m().row(nodes[to_index(a)]).transpose() - ball.centre_m) / ball.radius_m;
+    monomials.row(a) << 1.0, p.x(), p.y(), p.z(), p.x() * p.x(), p.y() * p.y(), p.z() * p.z(),
+        p.x() * p.y(), p.y() * p.z(), p.z() * p.x();
+  }
+  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> inverse(monomials);
+  const Eigen::MatrixXd left =
+      Eigen::MatrixXd::Identity(count, count) - monomials * inverse.pseudoInverse();
+  return left / (static_cast<double>(count) * ball.radius_m * ball.radius_m);
+}
+
 /// Empty where the lattice is too coarse for the ball.
 ThickPart part_of(const SolidModel& body, const Ball& ball) {
   constexpr std::size_t kFewestQuarters = 16;
-  std::vector<Quarter> quarters = quarters_in(body, ball);
-  if (quarters.size() < kFewestQuarters) return {};
-  balance(ball, quarters);
-  double total = 0.0;
-  for (const Quarter& each : quarters) total += each.weight;
-  std::map<std::int32_t, Eigen::Vector3d> slopes;
-  for (const Quarter& each : quarters) {
-    const Tetrahedron& in = body.tetrahedra()[each.tetrahedron];
-    for (std::size_t a = 0; a < 4; ++a) {
-      Eigen::Vector3d& slope =
-          slopes.try_emplace(in.node[a], Eigen::Vector3d::Zero()).first->second;
-      slope += each.weight / total * in.slopes.col(static_cast<Eigen::Index>(a));
-    }
-  }
+  constexpr double kWider = 1.4;
+  std::vector<Quarter> inner = quarters_in(body, ball, ball.radius_m);
+  if (inner.size() < kFewestQuarters) return {};
+  balance(ball, inner);
+  const std::vector<Quarter> wider = quarters_in(body, ball, kWider * ball.radius_m);
   ThickPart part;
+  part.node = nodes_of(body, wider);
   part.share = ball.radius_m * ball.radius_m * ball.radius_m;
-  part.slopes.resize(3, static_cast<Eigen::Index>(slopes.size()));
-  for (const auto& [node, slope] : slopes) {
-    part.slopes.col(static_cast<Eigen::Index>(part.node.size())) = slope;
-    part.node.push_back(node);
+  const Eigen::MatrixXd gradients = gradients_of(body, inner, part.node);
+  const Eigen::VectorXd weights = weights_of(inner);
+  const auto count = static_cast<Eigen::Index>(inner.size());
+  part.slopes.resize(3, gradients.cols());
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    part.slopes.row(axis) = weights.transpose() * gradients.middleRows(axis * count, count);
+  }
+  const Eigen::MatrixXd form = unevenness_of(body, ball, part.node);
+  for (Eigen::Index a = 0; a < form.rows(); ++a) {
+    for (Eigen::Index b = a; b < form.cols(); ++b)
+      part.unevenness.push_back(0.5 * (form(a, b) + form(b, a)));
   }
   return part;
 }

@@ -17,6 +17,9 @@ namespace weft::volume {
 /// 2012). The two places must lie on opposite sides, more than 120 degrees apart from the centre;
 /// of balls that share most of their volume the largest stays. A mean is over the centroids of the
 /// quarters of tetrahedra, weighted so that their mean place is the centre.
+///
+/// An even bend or twist is nearly a map of second degree in a ball 1.4 times as wide. The squared
+/// distance of the nodes from such a map, in radii, is the unevenness of the part.
 std::vector<ThickPart> thick_parts(const SolidModel& body);
 
 }  // namespace weft::volume

@@ -35,6 +35,7 @@ class Volume final : public Solver {
 
   explicit Volume(Params& p) {
     search_.scales.trust = {3.0, true};
+    search_.scales.outline.reach_px = 12.0;  // a body's rim runs close to its other edges
     p.choice("method", search_.method,
              {{"newton", Method::newton}, {"position_based", Method::position_based}},
              "newton: minimum of the elastic energy; position_based: position-based dynamics with "
@@ -45,6 +46,9 @@ class Volume final : public Solver {
            "standard deviation of the strain of a part of the body, a sixth of the diagonal wide");
     p.read("mean_strain", search_.scales.mean_strain, "", {1e-4, 10.0},
            "standard deviation of the strain, averaged over the thickness of the body");
+    p.read("unevenness", search_.scales.unevenness, "", {1e-4, 10.0},
+           "standard deviation of the nodes from an even bend or twist of a part, relative to half "
+           "of the thickness");
     p.read("match_noise_px", frame_.options.match_noise_px, "px", {1e-3, 100.0},
            "standard deviation, along u and v, of a match without a covariance");
     p.read("covariance_noise_px", frame_.options.covariance_noise_px, "px", {0.0, 100.0},
