@@ -63,20 +63,21 @@ Candidate BodySearch::from(Guess guess, const Frame& frame, const Points3& nodes
   candidate.guess = guess;
   candidate.nodes_m = nodes_m;
   const MinimiserOptions approach{kApproachIterations, kApproachTolerance * options.tolerance_m};
-  const auto settle = [&](double trust, double strain) {
+  const auto settle = [&](double trust, double strain, double outline) {
     Scales stage = scales;
     stage.trust = {trust, false};
     stage.strain *= strain;
     stage.mean_strain *= strain;
     stage.unevenness *= strain;
-    if (trust > kHuber) stage.outline.share = 0.0;
+    stage.outline.share *= outline;
     candidate.approach_iterations += minimise(frame, stage, approach, candidate.nodes_m).iterations;
   };
   if (guess == Guess::rigid) {
-    settle(kFarHuber, kStiff);
-    settle(kFarHuber, 1.0);
+    settle(kFarHuber, kStiff, 0.0);
+    settle(kFarHuber, 1.0, 0.0);
+    settle(kHuber, 1.0, 0.0);  // a rim that is far from the outline meets the wrong part of it
   }
-  settle(kHuber, 1.0);
+  settle(kHuber, 1.0, 1.0);
   Scales last = scales;
   last.outline.reach_px = std::min(scales.outline.reach_px, scales.outline.outlier_px);
   candidate.result = minimise(frame, last, options, candidate.nodes_m);
