@@ -24,6 +24,11 @@ void show(Scene& scene, std::initializer_list<std::int64_t> shape, std::uint8_t 
     scene.region.mask =
         Array<std::uint8_t>({scene.image.pixels.dim(0), scene.image.pixels.dim(1)}, 0);
     std::fill_n(scene.region.mask.data(), scene.region.mask.size(), std::uint8_t{1});
+    const auto height = scene.image.pixels.dim(0), width = scene.image.pixels.dim(1);
+    if (height != scene.camera.height_px || width != scene.camera.width_px) {
+      scene.object_mask.foreground = Array<std::uint8_t>({height, width}, 255);
+      scene.object_mask.known = Array<std::uint8_t>({height, width}, 1);
+    }
   }
 }
 
@@ -72,6 +77,20 @@ const Change kChanges[] = {
     {"region", "with a region of another size", Expect::any,
      [](Scene& s) {
        s.region.mask = Array<std::uint8_t>({10, 20}, 0);
+     }},
+    {"object_mask", "with a mask without foreground", Expect::any,
+     [](Scene& s) {
+       std::fill_n(s.object_mask.foreground.data(), s.object_mask.foreground.size(),
+                   std::uint8_t{0});
+     }},
+    {"object_mask", "with a mask that is nowhere known", Expect::any,
+     [](Scene& s) {
+       std::fill_n(s.object_mask.known.data(), s.object_mask.known.size(), std::uint8_t{0});
+     }},
+    {"object_mask", "with a mask of another size", Expect::any,
+     [](Scene& s) {
+       s.object_mask.foreground = Array<std::uint8_t>({10, 20}, 255);
+       s.object_mask.known = Array<std::uint8_t>({10, 20}, 1);
      }},
     {"keypoints", "with bits for descriptors", Expect::any,
      [](Scene& s) {

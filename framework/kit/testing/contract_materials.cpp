@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 #include <weft/core/index.hpp>
 #include <weft/data/matrix.hpp>
 
@@ -22,6 +23,36 @@ struct TrueMap {
     return project(pinhole(camera), sheet.at(pitch(0) * u, pitch(1) * v));
   }
 };
+
+/// The border of the template in the image, a closed polygon in px.
+std::vector<Eigen::Vector2d> outline_of(const Template& templ, const TrueMap& map) {
+  constexpr int kPieces = 200;  // for each side
+  const auto flat_px = templ.flat_px.matrix<2>();
+  const Eigen::Vector2d low = flat_px.colwise().minCoeff(), high = flat_px.colwise().maxCoeff();
+  const Eigen::Vector2d corners[] = {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
+  std::vector<Eigen::Vector2d> outline;
+  for (std::size_t side = 0; side < 4; ++side) {
+    const Eigen::Vector2d &from = corners[side], &to = corners[(side + 1) % 4];
+    for (int k = 0; k < kPieces; ++k) {
+      const Eigen::Vector2d place = from + static_cast<double>(k) / kPieces * (to - from);
+      outline.push_back(map.at(place.x(), place.y()));
+    }
+  }
+  return outline;
+}
+
+/// Where a polygon crosses the line at this height: its inside is between the first and the second
+/// crossing, and so on.
+std::vector<double> crossings(const std::vector<Eigen::Vector2d>& polygon, double y) {
+  std::vector<double> found;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Eigen::Vector2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    if ((a.y() > y) == (b.y() > y)) continue;
+    found.push_back(a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
 
 }  // namespace
 
@@ -122,6 +153,33 @@ WarpSamples sample_truth(const Template& templ, const Camera& camera,
     samples.valid(i) = 1;
   }
   return samples;
+}
+
+ObjectMask mask_of(const Template& templ, const Camera& camera, const DevelopableSheet& sheet) {
+  constexpr int kLines = 8;  // in each row of pixels
+  const auto outline = outline_of(templ, {templ, camera, sheet});
+  ObjectMask mask;
+  mask.foreground = Array<std::uint8_t>({camera.height_px, camera.width_px}, 0);
+  mask.known = Array<std::uint8_t>({camera.height_px, camera.width_px}, 1);
+  std::vector<double> share(to_index(camera.width_px));
+  for (std::int64_t y = 0; y < camera.height_px; ++y) {
+    std::fill(share.begin(), share.end(), 0.0);
+    for (int line = 0; line < kLines; ++line) {
+      const double height = static_cast<double>(y) - 0.5 + (line + 0.5) / kLines;
+      const auto ends = crossings(outline, height);
+      for (std::size_t k = 0; k + 1 < ends.size(); k += 2) {
+        for (std::size_t x = 0; x < share.size(); ++x) {
+          const double left = std::max(ends[k], static_cast<double>(x) - 0.5);
+          const double right = std::min(ends[k + 1], static_cast<double>(x) + 0.5);
+          share[x] += std::max(0.0, right - left) / kLines;
+        }
+      }
+    }
+    for (std::size_t x = 0; x < share.size(); ++x) {
+      mask.foreground.row(y)[x] = static_cast<std::uint8_t>(std::lround(255.0 * share[x]));
+    }
+  }
+  return mask;
 }
 
 Shape shape_at(const Points3& vertices_m) {

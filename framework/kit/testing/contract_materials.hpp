@@ -23,6 +23,9 @@ Keypoints with_bits(Keypoints keypoints);
 WarpSamples sample_truth(const Template& templ, const Camera& camera,
                          const DevelopableSheet& sheet);
 
+/// The exact mask of the bent template: the foreground is the share of each pixel that it covers.
+ObjectMask mask_of(const Template& templ, const Camera& camera, const DevelopableSheet& sheet);
+
 Shape shape_at(const Points3& vertices_m);
 Visibility all_visible(std::int64_t count);
 GroundTruth truth_of(const Template& templ, const Points3& vertices_m);

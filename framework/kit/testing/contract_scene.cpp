@@ -138,6 +138,7 @@ HostRecord Scene::record(std::string_view slot) const {
   if (slot == "template") return hold(templ);
   if (slot == "image" || slot == "previous.image") return hold(image);
   if (slot == "region") return hold(region);
+  if (slot == "object_mask") return hold(object_mask);
   if (slot == "time") return hold(time);
   if (slot == "keypoints") return hold(keypoints);
   if (slot == "template_keypoints") return hold(template_keypoints);
@@ -193,6 +194,7 @@ Scene make_scene(int number, const MatchSpec& draw, int round, std::uint64_t see
   for (std::int64_t y = 0; y < scene.camera.height_px; ++y) {
     std::fill_n(scene.region.mask.row(y), scene.camera.width_px / 2, std::uint8_t{1});
   }
+  scene.object_mask = mask_of(scene.templ, scene.camera, sheet);
   scene.frame_report.json = R"({"frame":0,"state":"estimated","age":0,"stages":[]})";
   scene.run_settings.json = R"({"stages":[]})";
   scene.follow_matches();

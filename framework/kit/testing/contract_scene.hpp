@@ -24,6 +24,7 @@ struct Scene {
   Template templ;
   Image image;
   Region region;
+  ObjectMask object_mask;
   Time time;
   Keypoints keypoints, template_keypoints;
   LabelledMatches matches;

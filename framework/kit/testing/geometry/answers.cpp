@@ -14,7 +14,7 @@ namespace {
 
 std::set<std::string> left_out_of(const Subject& subject) {
   std::set<std::string> left_out;
-  for (const char* slot : {"previous.shape", "known_points", "image"}) {
+  for (const char* slot : {"previous.shape", "known_points", "image", "object_mask"}) {
     if (subject.rules().solves && !subject.requires_input(slot)) left_out.insert(slot);
   }
   return left_out;
@@ -59,7 +59,11 @@ Asked ask(const Subject& subject, const Scene& scene, const Points2& texels_px) 
 }
 
 bool sees_pixels(const Subject& subject) {
-  return subject.takes("image") && left_out_of(subject).count("image") == 0;
+  const auto left_out = left_out_of(subject);
+  const auto gets = [&](const char* slot) {
+    return subject.takes(slot) && left_out.count(slot) == 0;
+  };
+  return gets("image") || gets("object_mask");
 }
 
 }  // namespace weft::testing

@@ -204,6 +204,8 @@ Scene moved(const Scene& scene, const Move& move) {
   result.templ = moved_template(scene.templ, move);
   result.image.pixels = moved_pixels(scene.image.pixels, result.camera, move);
   result.region.mask = moved_pixels(scene.region.mask, result.camera, move);
+  result.object_mask.foreground = moved_pixels(scene.object_mask.foreground, result.camera, move);
+  result.object_mask.known = moved_pixels(scene.object_mask.known, result.camera, move);
   result.keypoints = moved_keypoints(scene.keypoints, scene.templ, move, true);
   result.template_keypoints = moved_keypoints(scene.template_keypoints, scene.templ, move, false);
   move_matches(result.matches, scene.templ, move);
