@@ -149,7 +149,7 @@ inline testing::PluginAnswer run_filter(testing::PluginUnderTest& plugin, const 
           testing::input("camera", scene.camera)});
 }
 
-/// Share of the chart's correct or wrong matches that a mask keeps.
+/// Share of the chart's inliers or outliers that a mask keeps.
 inline double kept_share(const InlierMask& mask, const SceneMatches& made, int chart,
                          bool correct = true) {
   double kept = 0.0, all = 0.0;
