@@ -62,8 +62,8 @@ inline TextureBox object_box(const Template& templ) {
 
 namespace detail {
 
-/// Returns whether no view shows all faces of a template at rest: two of its faces turn away from
-/// each other, as those of a box, a cylinder or a scanned object.
+/// Returns whether two faces of a template at rest turn away from each other, as on a box. No view
+/// shows all faces of such an object.
 inline bool turns_away(const Template& templ) {
   constexpr double kLeastCosine = -0.1;  // beyond noise of a right angle
   const auto& places_m = templ.vertices_m;
@@ -96,9 +96,9 @@ inline bool turns_away(const Template& templ) {
 }  // namespace detail
 
 /// Cells of an object's surface, twelve along the diagonal of its box, independent of the mesh.
-/// They are squares of the texture. If some faces turn away from others at rest, neighbours in the
-/// texture can be on opposite sides of the object: the cells are then cubes around the surface at
-/// rest.
+/// They are squares of the texture. If some faces turn away from others at rest, they are cubes
+/// around the surface at rest. Neighbours in the texture can then be on opposite sides of the
+/// object.
 class SurfaceCells {
  public:
   /// A place in px of the texture, with 0 as the third number, or in m at rest.

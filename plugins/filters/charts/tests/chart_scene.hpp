@@ -22,7 +22,7 @@ namespace weft::charts {
 /// by a quarter from chart to chart in the texture. The corner points to the camera, 0.45 m away.
 struct ChartScene {
   static constexpr int kSide = 8;           ///< vertices along a side
-  static constexpr double kSidePx = 200.0;  ///< of the texture
+  static constexpr double kSidePx = 200.0;  ///< [] px of the texture
   static constexpr int kFacesPerChart = 2 * (kSide - 1) * (kSide - 1);
 
   Template templ;
