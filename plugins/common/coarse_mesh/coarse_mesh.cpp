@@ -101,7 +101,7 @@ Template CoarseMesh::of(const Template& fine) const {
   coarse.vertices_m = vertices_m_;
   coarse.flat_px = flat_px_;
   coarse.faces = faces_;
-  coarse.welded_vertex = {};  // these arrays are of the fine vertices
+  coarse.welded_vertex = {};  // these arrays belong to the fine vertices
   coarse.nodes_m = {};
   coarse.tetrahedra = {};
   coarse.vertex_tetrahedron = {};

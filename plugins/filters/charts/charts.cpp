@@ -30,7 +30,7 @@ struct ChartVerdict {
   std::string doubt;  ///< why the chart's result is degenerate or absent; mostly empty
 };
 
-/// What is known of a frame while its charts are judged.
+/// State of a frame while its charts are judged.
 struct Frame {
   const FilterInput& in;
   const filters::Candidates& candidates;

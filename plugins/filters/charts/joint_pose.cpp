@@ -13,8 +13,8 @@
 namespace weft::charts {
 namespace {
 
-/// The scale of the image in px per m: the median over pairs of distant matches of one chart, so
-/// that misplaced charts do not change it. 0 where all matches of each chart are in one place.
+/// The scale of the image in px per m: the median over pairs of distant matches of one chart.
+/// Misplaced charts do not change it. 0 where all matches of each chart are in one place.
 double px_per_m(const RestMatches& matches) {
   std::vector<double> scales;
   const std::size_t count = matches.chart.size();

@@ -85,7 +85,7 @@ TEST(WeakReason, IsTheConfidenceWithoutEvidence) {
   WeakFrame frame;
   EXPECT_EQ(frame.reason(0, 0, 0.0, 0.3), "weak: confidence 0.30 is below 0.5");
   frame.shape.confidence = 0.2;
-  frame.result.values[2] = host::Record::copy_of(frame.shape);  // of a plugin without evidence
+  frame.result.values[2] = host::Record::copy_of(frame.shape);  // a plugin without evidence
   EXPECT_EQ(weak_reason(frame.graph, frame.result, 2), "weak: confidence 0.20 is below 0.5");
 }
 

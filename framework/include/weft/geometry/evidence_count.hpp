@@ -13,6 +13,7 @@
 #include <weft/data/correspondences.hpp>
 #include <weft/data/sightlines.hpp>
 #include <weft/data/template.hpp>
+#include <weft/geometry/object_box.hpp>
 
 namespace weft {
 
@@ -27,41 +28,6 @@ struct ShapeEvidence {
   int needed =
       0;  ///< [] required agreeing count: 30 matches, 8 sightlines; 0 if neither is connected
 };
-
-namespace detail {
-
-/// Returns whether no view shows all faces of a template at rest: two of its faces turn away from
-/// each other, as those of a box, a cylinder or a scanned object.
-inline bool turns_away(const Template& templ) {
-  constexpr double kLeastCosine = -0.1;  // beyond noise of a right angle
-  const auto& places_m = templ.vertices_m;
-  bool is_level = true;
-  for (std::int64_t v = 1; v < places_m.rows() && is_level; ++v) {
-    is_level = places_m(v, 2) == places_m(0, 2);
-  }
-  std::array<double, 3> first{};
-  double first2 = 0.0;
-  for (std::int64_t f = 0; f < templ.faces.rows() && !is_level; ++f) {
-    std::array<std::array<double, 3>, 2> sides;
-    for (const std::int64_t k : {0, 1}) {
-      for (const std::int64_t axis : {0, 1, 2}) {
-        sides[to_index(k)][to_index(axis)] =
-            places_m(templ.faces(f, k + 1), axis) - places_m(templ.faces(f, 0), axis);
-      }
-    }
-    const auto& [a, b] = sides;
-    const std::array normal{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
-                            a[0] * b[1] - a[1] * b[0]};
-    const double length2 = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
-    if (!(length2 > 0.0)) continue;
-    if (first2 == 0.0) first = normal, first2 = length2;
-    const double dot = first[0] * normal[0] + first[1] * normal[1] + first[2] * normal[2];
-    if (dot < kLeastCosine * std::sqrt(first2 * length2)) return true;
-  }
-  return false;
-}
-
-}  // namespace detail
 
 /// Gathers the evidence for one shape. Coverage is counted in square texture cells, twelve along
 /// the template's diagonal, independent of the mesh. A cell counts if a corner or the centre of a
@@ -82,25 +48,7 @@ class EvidenceCount {
   /// `vertices_m` [V,3] m, camera frame, are the template's vertices. All arguments must outlive
   /// the object.
   EvidenceCount(const Template& templ, const Camera& camera, const Vertices& vertices_m)
-      : turns_away_(detail::turns_away(templ)),
-        faces_(templ.faces),
-        places_(turns_away_ ? templ.vertices_m : templ.flat_px),
-        camera_(camera),
-        vertices_m_(vertices_m) {
-    Place3 high{};
-    for (std::int64_t v = 0; v < places_.rows(); ++v) {
-      const Place3 place = place_of(v);
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        low_[axis] = v == 0 ? place[axis] : std::min(low_[axis], place[axis]);
-        high[axis] = v == 0 ? place[axis] : std::max(high[axis], place[axis]);
-      }
-    }
-    const Place3 size{high[0] - low_[0], high[1] - low_[1], high[2] - low_[2]};
-    const double diagonal = std::sqrt(size[0] * size[0] + size[1] * size[1] + size[2] * size[2]);
-    cell_ = std::max(diagonal / kCellsAlongDiagonal, 1e-9);
-    columns_ = cell_along(size[0]) + 1;
-    rows_ = cell_along(size[1]) + 1;
-    cells_.assign(to_index(columns_ * rows_ * (cell_along(size[2]) + 1)), kNothing);
+      : cells_(templ), faces_(templ.faces), camera_(camera), vertices_m_(vertices_m) {
     mark_seen();
   }
 
@@ -124,8 +72,8 @@ class EvidenceCount {
       const Place2 seen_px = row<2>(lines.pixel_px, i);
       if (lines.vertex(i) >= 0) {
         const std::int32_t vertex = lines.vertex(i);
-        if (turns_away_ && !is_front_vertex_[to_index(vertex)]) continue;
-        add_place(row<3>(vertices_m_, vertex), place_of(vertex), seen_px);
+        if (cells_.are_at_rest() && !is_front_vertex_[to_index(vertex)]) continue;
+        add_place(row<3>(vertices_m_, vertex), cells_.place_of(vertex), seen_px);
       } else {
         add(lines.face(i), row<3>(lines.barycentrics, i), seen_px);
       }
@@ -134,8 +82,7 @@ class EvidenceCount {
   }
 
  private:
-  static constexpr double kAgreeingPx = 3.0, kCellsAlongDiagonal = 12.0;
-  enum Cell : std::uint8_t { kNothing = 0, kSeen = 1, kShown = 2 };
+  static constexpr double kAgreeingPx = 3.0;
 
   template <std::size_t Columns, class Rows>
   static std::array<double, Columns> row(const Rows& rows, std::int64_t i) {
@@ -145,15 +92,6 @@ class EvidenceCount {
   }
 
   static double length(double x, double y) { return std::sqrt(x * x + y * y); }
-
-  std::int64_t cell_along(double from_start) const {
-    return static_cast<std::int64_t>(from_start / cell_);
-  }
-
-  /// The place of a vertex, in px of the texture or, where faces turn away, in m at rest.
-  Place3 place_of(std::int64_t vertex) const {
-    return {places_(vertex, 0), places_(vertex, 1), turns_away_ ? places_(vertex, 2) : 0.0};
-  }
 
   /// The pixel of a point in m, camera frame; NaN unless it is in front of the camera.
   Place2 pixel_of(const Place3& point_m) const {
@@ -174,22 +112,13 @@ class EvidenceCount {
     return sum;
   }
 
-  void mark(const Place3& place, Cell before, Cell after) {
-    const std::int64_t layer = turns_away_ ? cell_along(place[2] - low_[2]) : 0;
-    const std::int64_t index = (layer * rows_ + cell_along(place[1] - low_[1])) * columns_ +
-                               cell_along(place[0] - low_[0]);
-    if (index < 0 || index >= static_cast<std::int64_t>(cells_.size())) return;
-    Cell& cell = cells_[to_index(index)];
-    if (cell == before) cell = after;
-  }
-
   /// Front faces are counter-clockwise in the camera image; v points down.
   void mark_seen() {
     std::vector<Place2> pixels(to_index(vertices_m_.rows()));
     for (std::size_t v = 0; v < pixels.size(); ++v) {
       pixels[v] = pixel_of(row<3>(vertices_m_, static_cast<std::int64_t>(v)));
     }
-    if (turns_away_) {
+    if (cells_.are_at_rest()) {
       is_front_face_.assign(to_index(faces_.rows()), 0);
       is_front_vertex_.assign(pixels.size(), 0);
     }
@@ -203,7 +132,7 @@ class EvidenceCount {
       const auto centre = [&](std::size_t axis) {
         return a[axis] + (b[axis] - a[axis] + (c[axis] - a[axis])) / 3.0;
       };
-      if (turns_away_ && front) {
+      if (cells_.are_at_rest() && front) {
         is_front_face_[to_index(f)] = 1;
         for (const std::int32_t v : corners) is_front_vertex_[to_index(v)] = 1;
       }
@@ -212,46 +141,39 @@ class EvidenceCount {
   }
 
   void mark_face(const std::array<std::int32_t, 3>& corners) {
-    const std::array places{place_of(corners[0]), place_of(corners[1]), place_of(corners[2])};
+    const std::array places{cells_.place_of(corners[0]), cells_.place_of(corners[1]),
+                            cells_.place_of(corners[2])};
     Place3 middle{};
     for (const Place3& corner : places) {
-      mark(corner, kNothing, kSeen);
+      cells_.see(corner);
       for (std::size_t axis = 0; axis < 3; ++axis) middle[axis] += corner[axis] / 3.0;
     }
-    mark(middle, kNothing, kSeen);
+    cells_.see(middle);
   }
 
   void add(std::int32_t face, const Place3& weights, const Place2& seen_px) {
-    if (face < 0 || (turns_away_ && !is_front_face_[to_index(face)])) return;
+    if (face < 0 || (cells_.are_at_rest() && !is_front_face_[to_index(face)])) return;
     const std::int32_t a = faces_(face, 0), b = faces_(face, 1), c = faces_(face, 2);
     add_place(mean(row<3>(vertices_m_, a), row<3>(vertices_m_, b), row<3>(vertices_m_, c), weights),
-              mean(place_of(a), place_of(b), place_of(c), weights), seen_px);
+              mean(cells_.place_of(a), cells_.place_of(b), cells_.place_of(c), weights), seen_px);
   }
 
   void add_place(const Place3& point_m, const Place3& place, const Place2& seen_px) {
     const Place2 pixel = pixel_of(point_m);
     if (!(length(pixel[0] - seen_px[0], pixel[1] - seen_px[1]) < kAgreeingPx)) return;
     ++evidence_.agreeing;
-    mark(place, kSeen, kShown);
+    cells_.show(place);
   }
 
   ShapeEvidence counted() {
-    const auto shown = std::count(cells_.begin(), cells_.end(), kShown);
-    const auto empty = std::count(cells_.begin(), cells_.end(), kNothing);
-    const auto all = static_cast<std::int64_t>(cells_.size()) - empty;
-    evidence_.coverage = all == 0 ? 0.0 : static_cast<double>(shown) / static_cast<double>(all);
+    evidence_.coverage = cells_.share_shown();
     return evidence_;
   }
 
-  bool turns_away_;  ///< some faces turn away from others at rest
+  SurfaceCells cells_;
   const Array<std::int32_t>& faces_;
-  const Array<double>& places_;  ///< [V,2] px of the texture, or [V,3] m at rest
   const Camera& camera_;
   const Vertices& vertices_m_;
-  Place3 low_{};
-  double cell_ = 1.0;  ///< [px] or [m]
-  std::int64_t columns_ = 1, rows_ = 1;
-  std::vector<Cell> cells_;
   std::vector<std::uint8_t> is_front_face_;    ///< [F] only where faces turn away
   std::vector<std::uint8_t> is_front_vertex_;  ///< [V] only where faces turn away
   ShapeEvidence evidence_;

@@ -132,9 +132,9 @@ inline Result<void> place_in_face(const KnownPoints& known, std::int64_t p, cons
 }  // namespace detail
 
 /// The known points on a template's mesh. A negative radius becomes `own_radius_m`. Fails on a
-/// missing vertex or face, on weights whose sum is not 1, on a point beside a flat template, on a
-/// point without vertex and face on a curved template, and on non-finite numbers. The error gives
-/// the point.
+/// missing vertex or face, on weights whose sum is not 1, and on non-finite numbers. Also fails on
+/// a point beside a flat template, and on a point without vertex and face on a curved one. The
+/// error gives the point.
 inline Result<std::vector<KnownSurfacePoint>> known_surface_points(const KnownPoints& known,
                                                                    const Template& templ,
                                                                    double own_radius_m) {

@@ -10,11 +10,11 @@
 
 namespace weft {
 
-/// What a shape needs to be `estimated`.
+/// Minimum values of a shape that is `estimated`.
 struct ShapeRule {
-  static constexpr double kLeastShare = 0.25;      ///< agreeing of all kept measurements
-  static constexpr double kLeastCoverage = 0.25;   ///< of the visible surface
-  static constexpr double kLeastConfidence = 0.5;  ///< of the shape
+  static constexpr double kLeastShare = 0.25;      ///< [] share of the kept measurements
+  static constexpr double kLeastCoverage = 0.25;   ///< [] share of the visible surface
+  static constexpr double kLeastConfidence = 0.5;  ///< [] confidence of the shape
 };
 
 /// The common rule for the state of a shape. It is `estimated` if its confidence is at least 1/2

@@ -60,7 +60,7 @@ class Solver : public Prepared {
     return solved;
   }
 
-  Welding welding_;  ///< of the last template with seams
+  Welding welding_;  ///< places of the last template with seams
 };
 
 }  // namespace weft

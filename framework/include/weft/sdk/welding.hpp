@@ -3,15 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <string>
 #include <utility>
-#include <vector>
-#include <weft/core/index.hpp>
 #include <weft/core/result.hpp>
-#include <weft/core/stop_check.hpp>
 #include <weft/sdk/nested.hpp>
+#include <weft/sdk/seam_places.hpp>
 
 namespace weft {
 
@@ -28,15 +25,14 @@ class Welding {
   Result<void> update(const Template& templ) {
     if (revision_ != 0 && templ.revision == revision_) return {};
     revision_ = 0;
-    first_vertex_.clear();
-    if (auto numbered = number_places(templ); !numbered) return numbered;
-    vertices_m_ = gathered(templ.vertices_m);
-    flat_px_ = gathered(templ.flat_px);
-    vertex_tetrahedron_ = gathered(templ.vertex_tetrahedron);
-    vertex_barycentric_ = gathered(templ.vertex_barycentric);
+    if (auto numbered = places_.number(templ); !numbered) return numbered;
+    vertices_m_ = places_.gathered(templ.vertices_m);
+    flat_px_ = places_.gathered(templ.flat_px);
+    vertex_tetrahedron_ = places_.gathered(templ.vertex_tetrahedron);
+    vertex_barycentric_ = places_.gathered(templ.vertex_barycentric);
     faces_ = Array<std::int32_t>({templ.faces.rows(), 3});
     for (std::int64_t f = 0; f < templ.faces.rows(); ++f) {
-      for (std::int64_t k = 0; k < 3; ++k) faces_(f, k) = place_of(templ.faces(f, k));
+      for (std::int64_t k = 0; k < 3; ++k) faces_(f, k) = places_.of(templ.faces(f, k));
     }
     revision_ = templ.revision;
     return {};
@@ -67,13 +63,13 @@ class Welding {
   Result<SolverInput> joined(const SolverInput& in) const {
     SolverInput welded = in;
     welded.templ = joined(in.templ);
-    if (in.sightlines) welded.sightlines->vertex = places_of(in.sightlines->vertex);
+    if (in.sightlines) welded.sightlines->vertex = places_.of_all(in.sightlines->vertex);
     if (in.visibility) join(*welded.visibility);
     if (in.previous_shape) {
       Shape& shape = *welded.previous_shape;
-      shape.vertices_m = gathered(shape.vertices_m);
-      shape.source = gathered(shape.source);
-      shape.covariance_m2 = gathered(shape.covariance_m2);
+      shape.vertices_m = places_.gathered(shape.vertices_m);
+      shape.source = places_.gathered(shape.source);
+      shape.covariance_m2 = places_.gathered(shape.covariance_m2);
       make_own(shape);
     }
     if (in.known_points) {
@@ -85,9 +81,9 @@ class Welding {
 
   /// Copies the values of each place to all of its vertices. Diagnostics and nodes are unchanged.
   void spread(Shape& shape) const {
-    shape.vertices_m = spread_rows(shape.vertices_m);
-    shape.source = spread_rows(shape.source);
-    shape.covariance_m2 = spread_rows(shape.covariance_m2);
+    shape.vertices_m = places_.spread(shape.vertices_m);
+    shape.source = places_.spread(shape.source);
+    shape.covariance_m2 = places_.spread(shape.covariance_m2);
   }
 
  private:
@@ -107,81 +103,16 @@ class Welding {
     return mixed != 0 && mixed != revision ? mixed : ~revision;
   }
 
-  Result<void> number_places(const Template& templ) {
-    const Array<std::int32_t>& welded = templ.welded_vertex;
-    const std::int64_t count = templ.vertices_m.rows();
-    place_of_vertex_.assign(to_index(count), 0);
-    for (std::int64_t v = 0; v < count; ++v) {
-      const std::int32_t first = welded(v);
-      if (first < 0 || first > v || welded(first) != first) {
-        return Error{Errc::invalid_data, "template: welded_vertex of vertex " + std::to_string(v) +
-                                             " is " + std::to_string(first) +
-                                             ", but must be the first vertex at the same place: "
-                                             "at most the vertex itself, and its own first vertex"};
-      }
-      if (first == v) {
-        place_of_vertex_[to_index(v)] = static_cast<std::int32_t>(first_vertex_.size());
-        first_vertex_.push_back(v);
-      } else {
-        place_of_vertex_[to_index(v)] = place_of_vertex_[to_index(first)];
-      }
-    }
-    return {};
-  }
-
-  /// The place of a vertex; an index outside the template is unchanged.
-  std::int32_t place_of(std::int32_t vertex) const {
-    if (vertex < 0 || to_index(vertex) >= place_of_vertex_.size()) return vertex;
-    return place_of_vertex_[to_index(vertex)];
-  }
-
-  Array<std::int32_t> places_of(const Array<std::int32_t>& vertices) const {
-    Array<std::int32_t> places({vertices.rows()});
-    for (std::int64_t i = 0; i < vertices.rows(); ++i) places(i) = place_of(vertices(i));
-    return places;
-  }
-
-  /// An array with the row shape of another one and `count` rows.
-  template <class T>
-  static Array<T> with_rows(const Array<T>& like, std::int64_t count) {
-    if (like.ndim() == 1) return Array<T>({count});
-    if (like.ndim() == 2) return Array<T>({count, like.dim(1)});
-    return Array<T>({count, like.dim(1), like.dim(2)});
-  }
-
-  /// The rows [W,...] of the first vertices, from rows [V,...]. Arrays of another length are
-  /// unchanged.
-  template <class T>
-  Array<T> gathered(const Array<T>& rows) const {
-    if (!rows.present() || to_index(rows.rows()) != place_of_vertex_.size()) return rows;
-    Array<T> some = with_rows(rows, static_cast<std::int64_t>(first_vertex_.size()));
-    for (std::int64_t w = 0; w < some.rows(); ++w) {
-      std::copy_n(rows.row(first_vertex_[to_index(w)]), rows.row_elements(), some.row(w));
-    }
-    return some;
-  }
-
-  /// The rows [V,...] of all vertices, from rows [W,...]. Arrays of another length are unchanged.
-  template <class T>
-  Array<T> spread_rows(const Array<T>& rows) const {
-    if (!rows.present() || to_index(rows.rows()) != first_vertex_.size()) return rows;
-    Array<T> all = with_rows(rows, static_cast<std::int64_t>(place_of_vertex_.size()));
-    for (std::int64_t v = 0; v < all.rows(); ++v) {
-      std::copy_n(rows.row(place_of_vertex_[to_index(v)]), rows.row_elements(), all.row(v));
-    }
-    return all;
-  }
-
   /// A place is visible if one of its vertices is visible. Its score and its reason are those of
   /// the vertex with the best score, where a visible vertex precedes a hidden one.
   void join(Visibility& visibility) const {
     const Visibility all = visibility;
-    if (to_index(all.visible.rows()) != place_of_vertex_.size()) return;
-    visibility.visible = gathered(all.visible);
-    visibility.score = gathered(all.score);
-    visibility.reason = gathered(all.reason);
+    if (all.visible.rows() != places_.vertex_count()) return;
+    visibility.visible = places_.gathered(all.visible);
+    visibility.score = places_.gathered(all.score);
+    visibility.reason = places_.gathered(all.reason);
     for (std::int64_t v = 0; v < all.visible.rows(); ++v) {
-      const std::int64_t w = place_of_vertex_[to_index(v)];
+      const std::int64_t w = places_.of(static_cast<std::int32_t>(v));
       const std::pair own(all.visible(v), all.score(v));
       if (!(own > std::pair(visibility.visible(w), visibility.score(w)))) continue;
       visibility.visible(w) = all.visible(v);
@@ -195,7 +126,7 @@ class Welding {
   /// faces, because the flat mesh is valid only before its seams are joined.
   Result<void> join(const Template& templ, KnownPoints& known) const {
     const Array<std::int32_t> vertex = known.vertex;
-    known.vertex = places_of(vertex);
+    known.vertex = places_.of_all(vertex);
     if (!known.template_xy_m.present() || !templ.m_per_px.present()) return {};
     Array<std::int32_t> face({known.count()}, -1);
     Array<double> barycentrics({known.count(), 3}, 0.0);
@@ -208,7 +139,7 @@ class Welding {
       } else if (vertex(p) < 0) {
         const std::array place_px{known.template_xy_m(p, 0) / templ.m_per_px(0),
                                   known.template_xy_m(p, 1) / templ.m_per_px(1)};
-        face(p) = face_around(place_px, templ, barycentrics.row(p));
+        face(p) = detail::face_around(place_px, templ, barycentrics.row(p));
         if (face(p) < 0) return beside_the_template(known, p);
       }
     }
@@ -224,41 +155,13 @@ class Welding {
                                          ") mm, beside the template"};
   }
 
-  /// The face of the flat mesh for which the smallest weight of a point is largest, with its three
-  /// weights; -1 if a weight would be below -1/2. Like face_around() in
-  /// weft/geometry/known_surface.hpp, without Eigen.
-  static std::int32_t face_around(const std::array<double, 2>& place_px, const Template& templ,
-                                  double* weights) {
-    std::int32_t found = -1;
-    double largest = -0.5;
-    for (std::int32_t f = 0; f < templ.faces.rows(); ++f) {
-      worked_in_loop(f, 3);
-      const double *a = templ.flat_px.row(templ.faces(f, 0)),
-                   *b = templ.flat_px.row(templ.faces(f, 1)),
-                   *c = templ.flat_px.row(templ.faces(f, 2));
-      const double abx = b[0] - a[0], aby = b[1] - a[1], acx = c[0] - a[0], acy = c[1] - a[1];
-      const double apx = place_px[0] - a[0], apy = place_px[1] - a[1];
-      const double det = abx * acy - aby * acx;
-      const double w1 = (apx * acy - apy * acx) / det, w2 = (abx * apy - aby * apx) / det;
-      const double least = std::min({1.0 - w1 - w2, w1, w2});
-      if (!std::isfinite(w1) || !std::isfinite(w2) || !(least > largest)) continue;
-      largest = least;
-      found = f;
-      weights[0] = 1.0 - w1 - w2;
-      weights[1] = w1;
-      weights[2] = w2;
-    }
-    return found;
-  }
-
-  std::uint64_t revision_ = 0;                 ///< [] of the template; 0 keeps nothing
-  std::vector<std::int32_t> place_of_vertex_;  ///< [V] place, 0 to W-1
-  std::vector<std::int64_t> first_vertex_;     ///< [W] vertex
-  Array<double> vertices_m_;                   ///< [W,3] m, template frame
-  Array<double> flat_px_;                      ///< [W,2] px of the texture, of the first vertices
-  Array<std::int32_t> faces_;                  ///< [F,3] places
-  Array<std::int32_t> vertex_tetrahedron_;     ///< [W]
-  Array<double> vertex_barycentric_;           ///< [W,4]
+  std::uint64_t revision_ = 0;  ///< [] of the template; 0 keeps nothing
+  SeamPlaces places_;
+  Array<double> vertices_m_;                ///< [W,3] m, template frame
+  Array<double> flat_px_;                   ///< [W,2] px of the texture, of the first vertices
+  Array<std::int32_t> faces_;               ///< [F,3] places
+  Array<std::int32_t> vertex_tetrahedron_;  ///< [W]
+  Array<double> vertex_barycentric_;        ///< [W,4]
 };
 
 }  // namespace weft

@@ -109,7 +109,7 @@ TEST(ChartParts, HaveTheirVerticesOfThePreviousShape) {
   for (std::int64_t v = 0; v < 64; ++v) {
     EXPECT_EQ(part.previous_shape->vertices_m(v, 1), scene.vertices_m(64 + v, 1));
   }
-  in.previous_shape->vertices_m = Array<double>({5, 3}, 0.0);  // of another mesh
+  in.previous_shape->vertices_m = Array<double>({5, 3}, 0.0);  // another mesh
   EXPECT_FALSE(parts.part(in, 1, {1}).previous_shape.has_value());
 }
 

@@ -22,7 +22,7 @@ namespace weft::charts {
 /// by a quarter from chart to chart in the texture. The corner points to the camera, 0.45 m away.
 struct ChartScene {
   static constexpr int kSide = 8;           ///< vertices along a side
-  static constexpr double kSidePx = 200.0;  ///< of the texture
+  static constexpr double kSidePx = 200.0;  ///< [] px of the texture
   static constexpr int kFacesPerChart = 2 * (kSide - 1) * (kSide - 1);
 
   Template templ;
@@ -149,7 +149,7 @@ inline testing::PluginAnswer run_filter(testing::PluginUnderTest& plugin, const 
           testing::input("camera", scene.camera)});
 }
 
-/// Share of the chart's correct or wrong matches that a mask keeps.
+/// Share of the chart's inliers or outliers that a mask keeps.
 inline double kept_share(const InlierMask& mask, const SceneMatches& made, int chart,
                          bool correct = true) {
   double kept = 0.0, all = 0.0;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A texture of two charts of which the photograph shows one or both, as `weft template check`
-// reports it.
+// `weft template check` on a texture of two charts. The image shows one of them or both.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -52,7 +51,7 @@ std::string cut_sheet() {
 
 class ChartCheck : public PipelineTest {
  protected:
-  /// The answer of `weft template check` on a frame that shows the whole sheet.
+  /// The answer of `weft template check` on a frame that shows the whole object.
   Ended check(const cv::Mat& texture) const {
     cv::imwrite(path("atlas.png"), texture);
     const std::string pipeline = write(
