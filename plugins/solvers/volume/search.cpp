@@ -16,6 +16,7 @@ using solvers::MinimiserOptions;
 using solvers::MinimiserResult;
 
 constexpr double kStiff = 0.1;  // of the strain, as long as the body turns
+constexpr double kNear_px = 2.0;
 constexpr double kFarHuber = 4.0, kHuber = 1.0;
 constexpr int kApproachIterations = 15;
 constexpr double kApproachTolerance = 30.0;  // times that of the last steps
@@ -77,7 +78,9 @@ Candidate BodySearch::from(Guess guess, const Frame& frame, const Points3& nodes
     settle(kFarHuber, 1.0, 0.0);
     settle(kHuber, 1.0, 0.0);  // a rim that is far from the outline meets the wrong part of it
   }
-  settle(kHuber, 1.0, 1.0);
+  // A body that is nearly in place can do with the last stage.
+  const Fit before = measure(*body_, energy_, frame.data, scales, candidate.nodes_m);
+  if (guess == Guess::rigid || !(before.residual_px < kNear_px)) settle(kHuber, 1.0, 1.0);
   Scales last = scales;
   last.outline.reach_px = std::min(scales.outline.reach_px, scales.outline.outlier_px);
   candidate.result = minimise(frame, last, options, candidate.nodes_m);

@@ -32,7 +32,7 @@ struct Candidate {
 class BodySearch {
  public:
   Scales scales;
-  solvers::MinimiserOptions options{60, 1e-6};
+  solvers::MinimiserOptions options{60, 1e-5};
   Method method = Method::newton;
 
   /// Structure and memory for a body, which must outlive it.

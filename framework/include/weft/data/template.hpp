@@ -45,7 +45,7 @@ struct Template {
                 "weights of the tetrahedron's corners at the vertex; their sum is 1", true});
   }
 
-  /// Whether the object is solid: the surface is embedded in tetrahedra.
+  /// Returns whether the object is solid: the surface is embedded in tetrahedra.
   bool is_solid() const { return tetrahedra.present(); }
 };
 
