@@ -14,6 +14,8 @@
 #include <weft/geometry/mesh_validation.hpp>
 #include <weft/geometry/solid/validation.hpp>
 
+#include "number_text.hpp"
+
 namespace weft::volume {
 namespace {
 
@@ -24,7 +26,7 @@ Error bad_surface(const std::string& sentence) {
 std::string place_of(const Points3& vertices_m, std::int32_t v) {
   std::string text = "(";
   for (int k = 0; k < 3; ++k) {
-    text += (k > 0 ? ", " : "") + std::to_string(1e3 * vertices_m(v, k));
+    text += (k > 0 ? ", " : "") + number_text(1e3 * vertices_m(v, k));
   }
   return text + ") mm";
 }

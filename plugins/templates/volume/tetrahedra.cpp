@@ -12,6 +12,7 @@
 #include <weft/core/stop_check.hpp>
 
 #include "lattice.hpp"
+#include "number_text.hpp"
 #include "winding_number.hpp"
 
 namespace weft::volume {
@@ -25,7 +26,7 @@ Error bad_pitch(const std::string& sentence) {
   return about("pitch_m", {Errc::invalid_value, sentence});
 }
 
-std::string mm(double length_m) { return std::to_string(1e3 * length_m) + " mm"; }
+std::string mm(double length_m) { return number_text(1e3 * length_m) + " mm"; }
 
 Result<void> check_pitch(const Eigen::Vector3d& size_m, double pitch_m) {
   if (pitch_m > size_m.maxCoeff()) {
@@ -144,7 +145,7 @@ Result<Solid> numbered(const ClosedSurface& surface, const Lattice& lattice,
     return bad_pitch("a pitch of " + mm(lattice.pitch_m()) + " makes " +
                      std::to_string(node_count) + " nodes, legal are " +
                      std::to_string(kMostNodes) + ": give a 'pitch_m' of about " +
-                     std::to_string(suitable_m) + " or more");
+                     number_text(suitable_m) + " or more");
   }
   Solid solid;
   solid.nodes_m.resize(node_count, 3);

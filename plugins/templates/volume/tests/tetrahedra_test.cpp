@@ -153,7 +153,7 @@ TEST(Tetrahedra, RefuseAPitchThatDoesNotSuitTheObject) {
     EXPECT_EQ(made.error().subject, "pitch_m");
     return made.error().message;
   };
-  EXPECT_THAT(refusal(0.11), HasSubstr("is larger than the object, which is 100"));
+  EXPECT_THAT(refusal(0.11), HasSubstr("is larger than the object, which is 100 mm long"));
   EXPECT_THAT(refusal(1e-4), HasSubstr("more than 1000000 cubes"));
   EXPECT_THAT(refusal(1e-300), HasSubstr("more than 1000000 cubes"));
   EXPECT_THAT(refusal(0.004), HasSubstr("nodes, legal are 20000: give a 'pitch_m' of about"));

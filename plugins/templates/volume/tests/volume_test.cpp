@@ -56,6 +56,16 @@ TEST_F(VolumeTemplate, FillsEachOfTheObjects) {
   }
 }
 
+TEST_F(VolumeTemplate, FillsARemeshedSurfaceOfManyCharts) {
+  for (const char* name : {"can_2.obj", "box_24.obj"}) {
+    SCOPED_TRACE(name);
+    const auto templ = filled(mesh_of(name, ", vertices: 250")).get<Template>();
+    ASSERT_TRUE(templ);
+    EXPECT_TRUE(weft::validate_solid(*templ));
+    EXPECT_NEAR(static_cast<double>(templ->vertices_m.rows()), 250.0, 40.0);
+  }
+}
+
 TEST_F(VolumeTemplate, KeepsTheSurfaceOfTheNestedTemplate) {
   const PluginAnswer nested =
       build("templates/mesh", "{mesh: '" WEFT_TEST_DATA "can_2.obj', texture: '" WEFT_TEST_DATA
