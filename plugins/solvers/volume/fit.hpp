@@ -20,8 +20,9 @@ struct Fit {
 
   /// True if another initial guess may lead further.
   bool doubtful() const {
-    constexpr double kHighResidual_px = 3.0, kManyFar = 0.2;
-    return !(residual_px <= kHighResidual_px) || far_share > kManyFar;
+    constexpr double kHighResidual_px = 3.0, kManyFar = 0.2, kMuchDeformed = 0.4;
+    return !(residual_px <= kHighResidual_px) || far_share > kManyFar ||
+           deformation > kMuchDeformed;
   }
 };
 
