@@ -9,8 +9,6 @@ namespace weft::volume {
 namespace {
 
 constexpr double kPrior_m = 0.3;
-// Strain of the mean over the thickness that bodies have, whatever the energy takes it for.
-constexpr double kMeanStrain = 0.005;
 // Neighbouring points of an outline have the same error.
 constexpr double kOutlineNoise = 3.0;
 
@@ -32,7 +30,7 @@ Array<double> covariance_m2(const SolidModel& body, const Energy& energy, const 
   const double observed = observed_noise(fit);
   Scales wide = scales;
   wide.strain = strain_of(fit) / observed;
-  wide.mean_strain = std::hypot(scales.mean_strain, kMeanStrain) / observed;
+  wide.mean_strain = scales.mean_strain / observed;
   wide.unevenness = scales.unevenness / observed;
   wide.outline.noise_px *= kOutlineNoise;
   wide.known_m = std::max(scales.known_m, 5e-4) / observed;

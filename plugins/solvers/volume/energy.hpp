@@ -41,8 +41,8 @@ struct Scales {
   solvers::Trust trust;
   Material material;
   double strain = 0.3;             ///< [] of a part of the body that is independent of the others
-  double mean_strain = 0.003;      ///< [] of the mean over the thickness of the body
-  double unevenness = 0.01;        ///< [] of nodes from a map of second degree, in radii
+  double mean_strain = 0.04;       ///< [] of the mean over the thickness of the body
+  double unevenness = 0.004;       ///< [] of nodes from a map of second degree, in radii
   double known_m = 1e-4;           ///< [] m, of a known point beyond its radius
   solvers::OutlineScales outline;  ///< distance of the rim from the outline of the mask
 };
