@@ -11,9 +11,9 @@
 #include <weft/geometry/types.hpp>
 
 #include "common/cholesky/block_cholesky.hpp"
-#include "common/measurement.hpp"
 #include "common/outline/mask_outline.hpp"
 #include "common/outline/outline_term.hpp"
+#include "common/seen/measurement.hpp"
 #include "mesh/mesh_model.hpp"
 
 namespace weft::gauss_newton {

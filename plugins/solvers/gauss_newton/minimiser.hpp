@@ -4,7 +4,7 @@
 #include <weft/core/result.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "common/damped_newton.hpp"
+#include "common/cholesky/damped_newton.hpp"
 #include "energy.hpp"
 #include "mesh/mesh_model.hpp"
 

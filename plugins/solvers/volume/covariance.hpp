@@ -7,14 +7,14 @@
 #include <weft/data/camera.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "common/damped_newton.hpp"
+#include "common/cholesky/damped_newton.hpp"
 #include "energy.hpp"
 #include "fit.hpp"
 #include "solid_model.hpp"
 
 namespace weft::volume {
 
-/// Relative standard deviations of what the camera cannot tell.
+/// Relative standard deviations of scales that an image does not determine.
 struct ScaleNoise {
   double scale = 0.004;  ///< [] of the template's size and the focal length
 };

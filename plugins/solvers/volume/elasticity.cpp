@@ -32,7 +32,7 @@ Eigen::Matrix3d by_newton(const Eigen::Matrix3d& gradient) {
 
 /// The singular vectors with both determinants 1; the smallest singular value takes the sign.
 Stretch by_singular_values(const Eigen::Matrix3d& gradient) {
-  // Of dynamic size: of the other the compiler believes that its values may not be set.
+  // The compiler warns that values of a fixed-size decomposition may not be set.
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(gradient, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d left = svd.matrixU(), right = svd.matrixV();
   Stretch stretch;

@@ -35,9 +35,9 @@ struct Material {
 };
 
 /// Value, half the gradient and half the curvature of psi at one F. The curvature is projected to a
-/// positive semidefinite one: twists have the eigenvalues of Smith, de Goes and Kim (Analytic
-/// eigensystems for isotropic distortion energies, 2019), at least 0, and of the volume term only
-/// the Gauss-Newton part counts.
+/// positive semidefinite one. Twists have the eigenvalues of Smith, de Goes and Kim (Analytic
+/// eigensystems for isotropic distortion energies, 2019), at least 0. The volume term has its
+/// Gauss-Newton part only.
 class Linearised {
  public:
   Linearised(const Material& material, const Eigen::Matrix3d& gradient);

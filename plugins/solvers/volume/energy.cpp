@@ -103,7 +103,7 @@ template <class Cell>
 void Energy::add_cell(const Cell& in, double weight, const Linearised& at,
                       const Derivatives& to) const {
   std::vector<Linearised::Slope> slopes;
-  std::vector<std::uint8_t> counts;  // a thick part has nodes around it that its mean leaves out
+  std::vector<std::uint8_t> counts;  // a thick part has nodes around it that its mean omits
   slopes.reserve(in.node.size());
   for (std::size_t a = 0; a < in.node.size(); ++a) {
     const Eigen::Vector3d slope = in.slopes.col(static_cast<Eigen::Index>(a));

@@ -6,9 +6,9 @@
 #include <weft/geometry/camera_model.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "common/measurement.hpp"
 #include "common/outline/mask_outline.hpp"
 #include "common/outline/outline_term.hpp"
+#include "common/seen/measurement.hpp"
 #include "elasticity.hpp"
 #include "solid_model.hpp"
 
@@ -108,7 +108,7 @@ class Energy {
 
   const SolidModel* body_ = nullptr;
   solvers::OutlineTerm outline_;
-  std::vector<BodyPoint> outline_points_;  ///< of the points of outline_
+  std::vector<BodyPoint> outline_points_;  ///< body points of the points of outline_
   solvers::BlockMatrix trace_matrix_;
 };
 

@@ -16,11 +16,11 @@ namespace weft::volume {
 struct FrameOptions {
   double match_noise_px = 1.0;        ///< [] px, of a match without a covariance
   double covariance_noise_px = 0.25;  ///< [] px, beside the covariance of a match that has one
-  double known_radius_m = 0.005;      ///< [] m, of known points without a radius of their own
+  double known_radius_m = 0.005;      ///< [] m, radius of known points that have none
   int min_matches = 12;               ///< []
 };
 
-/// What one frame says about a body.
+/// The measurements of one frame.
 class Frame {
  public:
   FrameOptions options;
@@ -29,7 +29,7 @@ class Frame {
   std::vector<std::uint8_t> observed;    ///< [V] 1 for vertices of faces with an observation
 
   /// Reads kept matches and known points. Fails on indices that the template lacks, on numbers that
-  /// are not finite and on covariances that are none; no_result for too few matches, and for
+  /// are not finite and on invalid covariances. Returns no_result for too few matches and for
   /// matches on a line of the image.
   Result<void> read(const SolverInput& in, const SolidModel& body);
 

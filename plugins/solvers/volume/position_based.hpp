@@ -6,15 +6,15 @@
 #include <weft/geometry/distance_constraints.hpp>
 #include <weft/geometry/types.hpp>
 
-#include "common/damped_newton.hpp"
+#include "common/cholesky/damped_newton.hpp"
 #include "energy.hpp"
 #include "solid_model.hpp"
 
 namespace weft::volume {
 
 /// Position-based dynamics of a body (Muller, Heidelberger, Hennix and Ratcliff 2007; Ozgur and
-/// Bartoli 2017): nodes are particles, and each sweep moves observed points towards their
-/// sightlines, then corrects the lengths of the edges and the volumes of the tetrahedra,
+/// Bartoli 2017). Nodes are particles. Each sweep moves observed points towards their sightlines,
+/// then corrects the lengths of the edges and the volumes of the tetrahedra,
 ///     dx_a = -C w / (w sum_b |grad_b C|^2) grad_a C,   C = det(x1-x0, x2-x0, x3-x0) / 6 - V0.
 /// Cheaper than the minimisation of an energy, and less exact.
 class PositionBased {

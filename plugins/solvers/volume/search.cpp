@@ -15,12 +15,12 @@ using solvers::Guess;
 using solvers::MinimiserOptions;
 using solvers::MinimiserResult;
 
-constexpr double kStiff = 0.1;  // of the strain, as long as the body turns
+constexpr double kStiff = 0.1;  // factor on the strain as long as the body turns
 constexpr double kNear_px = 2.0;
 constexpr double kFarHuber = 4.0, kHuber = 1.0;
 constexpr int kApproachIterations = 15;
 constexpr double kApproachTolerance = 30.0;  // times that of the last steps
-// Of the size that the matches have in the image: a body that bends departs from its rigid pose.
+// Share of the size of the matches in the image. A body that bends departs from its rigid pose.
 constexpr double kRigidTolerance = 0.1;
 constexpr double kSweeps = 30.0;  // a sweep of position-based dynamics does less than a step
 
@@ -106,7 +106,7 @@ MinimiserResult BodySearch::minimise(const Frame& frame, const Scales& stage,
   return newton_.run(limits, linearise, value, nodes_m);
 }
 
-/// Another solver's shape has no nodes. Then its surface only tells the pose.
+/// Another solver's shape has no nodes. It is not used.
 std::optional<Points3> BodySearch::previous_nodes(const SolverInput& in) const {
   if (!in.previous_shape) return {};
   const Shape& previous = *in.previous_shape;

@@ -5,7 +5,7 @@
 #include <weft/core/result.hpp>
 #include <weft/sdk/solver.hpp>
 
-#include "common/damped_newton.hpp"
+#include "common/cholesky/damped_newton.hpp"
 #include "common/guess_search.hpp"
 #include "fit.hpp"
 #include "frame.hpp"
@@ -26,9 +26,9 @@ struct Candidate {
   bool usable() const { return result.stop != solvers::Stop::not_finite && nodes_m.allFinite(); }
 };
 
-/// Finds the nodes of a body in one frame. The previous shape is the initial guess. Where there is
-/// none, or it leads to a doubtful shape, it is the body at rest in the pose on which most matches
-/// agree; then the body is stiff at first, so that it turns before it bends.
+/// Finds the nodes of a body in one frame. The previous shape is the initial guess. If there is
+/// none, or if it leads to a doubtful shape, the guess is the body at rest in the pose on which
+/// most matches agree. The body is then stiff at first, so that it turns before it bends.
 class BodySearch {
  public:
   Scales scales;

@@ -16,7 +16,7 @@ namespace weft::volume {
 /// A tetrahedron of the body at rest.
 struct Tetrahedron {
   std::array<std::int32_t, 4> node{};
-  std::array<std::int32_t, 6> coupling{};  ///< of the nodes 01, 02, 03, 12, 13, 23 in SolidModel
+  std::array<std::int32_t, 6> coupling{};  ///< couplings 01, 02, 03, 12, 13, 23 in SolidModel
   Eigen::Matrix<double, 3, 4> slopes;      ///< [3,4] 1/m, gradients of the shape functions at rest
   double share = 0.0;                      ///< [] of the body's volume
 
@@ -35,8 +35,8 @@ struct ThickPart {
   std::vector<std::int32_t> node;      ///< [n]
   std::vector<std::int32_t> coupling;  ///< [n (n - 1) / 2] of the nodes 01, 02, ..., 12, 13, ...
   Eigen::Matrix<double, 3, Eigen::Dynamic> slopes;  ///< [3,n] 1/m, F is sum_a x_a slopes_a^T
-  /// [n (n + 1) / 2] 1/m^2, upper triangle, row by row, of the quadratic form of a coordinate x [n]
-  /// that is the mean of |x - q|^2 in squared radii, with q of second degree in the place at rest.
+  /// [n (n + 1) / 2] 1/m^2, upper triangle, row by row. The quadratic form of a coordinate x [n] is
+  /// the mean of |x - q|^2 in squared radii, with q of second degree in the place at rest.
   std::vector<double> unevenness;
   double share = 0.0;  ///< [] of the sum of the volumes of all parts
 
@@ -71,7 +71,7 @@ class SolidModel {
  public:
   /// Fails on a template without tetrahedra, with indices out of range, without volume, or with
   /// numbers that are not finite. Tetrahedra count by the share of them that the object fills
-  /// (`x.weft.filled_share` [E]), all alike if the template does not say.
+  /// (`x.weft.filled_share` [E]), all alike if the template has none.
   Result<void> build(const Template& templ);
 
   const Points3& nodes_m() const { return nodes_m_; }        ///< [K,3] m at rest

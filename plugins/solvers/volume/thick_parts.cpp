@@ -59,8 +59,8 @@ std::vector<Ball> touching_balls(const Samples& samples) {
 
 /// The balls that stand for the thickness around them, from the largest.
 std::vector<Ball> chosen(std::vector<Ball> balls) {
-  constexpr double kLeast = 0.7;  // of the radius of any ball that holds the centre
-  constexpr double kApart = 0.5;  // of the radius, between centres
+  constexpr double kLeast = 0.7;  // share of the radius of any ball that holds the centre
+  constexpr double kApart = 0.5;  // distance between centres, in radii
   std::stable_sort(balls.begin(), balls.end(),
                    [](const Ball& a, const Ball& b) { return a.radius_m > b.radius_m; });
   std::vector<Ball> kept;

@@ -8,8 +8,8 @@
 namespace weft::volume {
 
 /// Balls that touch the surface at two places or more and lie within it, and the mean deformation
-/// in each. A body that bends or turns stretches on one side and shrinks on the other, so that the
-/// mean over its thickness is a rotation: it costs much less than a body that grows.
+/// in each. A body that bends stretches on one side and shrinks on the other. The mean over its
+/// thickness is then nearly a rotation, and costs much less than that of a body that grows.
 ///
 /// The ball that touches the surface at a point p with the inner normal n has the radius
 /// min_q |q - p|^2 / (2 n . (q - p)) over the other surface points q (Ma, Bae and Choi, 3D medial

@@ -26,10 +26,9 @@ class Volume final : public Solver {
  public:
   static constexpr About kAbout{
       .reference =
-          "own: Parashar, Pizarro, Bartoli, Collins, As-rigid-as-possible volumetric "
-          "Shape-from-Template, ICCV (2015); Stomakhin et al., Energetically consistent invertible "
-          "elasticity, SCA (2012); Smith, de Goes, Kim, Analytic eigensystems for isotropic "
-          "distortion energies, ACM TOG 38 (2019)",
+          "own: Parashar et al., As-rigid-as-possible volumetric Shape-from-Template, ICCV (2015); "
+          "Smith et al., Analytic eigensystems for isotropic distortion energies, ACM TOG 38 "
+          "(2019)",
       .needs = "correspondences",
       .reads = "previous.shape known_points object_mask"};
 
@@ -119,9 +118,9 @@ class Volume final : public Solver {
     return shape;
   }
 
-  /// The probability that the mean error of the observed vertices is below 2 % of the diagonal, if
-  /// it has a Maxwell distribution with their mean variance, times the share of the matches that
-  /// agree.
+  /// The probability that the mean error of the observed vertices is below 2 % of the diagonal, for
+  /// a Maxwell distribution with their mean variance. It is multiplied by the square root of the
+  /// share of the matches that agree.
   double confidence(const Fit& fit, const Array<double>& covariance_m2,
                     const ShapeEvidence& evidence) const {
     if (!covariance_m2.present() || evidence.kept == 0) return 0.0;

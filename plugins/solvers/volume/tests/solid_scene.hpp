@@ -17,7 +17,7 @@
 namespace weft::volume {
 
 /// A block in cubes of six tetrahedra each (Kuhn's subdivision). Its surface has the outer nodes as
-/// vertices; each vertex has its own place in a texture that only tells it from others.
+/// vertices; each vertex has its own place in a texture that only distinguishes it from others.
 struct Block {
   std::array<int, 3> cubes{12, 5, 4};
   Eigen::Vector3d size_m{0.150, 0.060, 0.040};

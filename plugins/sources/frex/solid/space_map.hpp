@@ -11,9 +11,9 @@ enum class SolidMotion { bend, twist, press };
 
 /// Bends space by `curvature_per_m` about y towards z, keeping volume (Rivlin 1949). With rho = 1 /
 /// curvature, phi = x / rho and r^2 = rho^2 + t^2 / 12 - 2 rho z a point comes to (r sin phi, y,
-/// rho - r cos phi). The mean stretch r / rho over the `thickness_m` t of a block is 1, as it is
-/// where nothing pulls at its ends; the plane z = t^2 / (24 rho) keeps its lengths. Defined for z <
-/// rho / 2.
+/// rho - r cos phi). The mean stretch r / rho over the `thickness_m` t of a block is 1, because
+/// nothing pulls at its ends. The plane z = t^2 / (24 rho) keeps its lengths. Defined for z < rho
+/// / 2.
 Eigen::Vector3d bent(const Eigen::Vector3d& place_m, double curvature_per_m, double thickness_m);
 
 /// Turns each plane x = const. by x * `turn_rad_per_m` about the x axis.
