@@ -9,6 +9,7 @@
 #include <vector>
 #include <weft/core/rng.hpp>
 
+#include "common/cholesky/damped_newton.hpp"
 #include "energy.hpp"
 #include "solid_scene.hpp"
 

@@ -82,8 +82,8 @@ TEST(Volume, FindsABentBlockBehindNoiseAndMismatches) {
   const auto matches = scene.matches(200, 1.0, 0.15, kSeed, bent_block);
   const Errors errors(scene, shape_in(run(plugin, scene, matches)));
   std::cout << "visible " << errors.visible_mm << " mm, hidden " << errors.hidden_mm << " mm\n";
-  EXPECT_LT(errors.visible_mm, 4.0);
-  EXPECT_LT(errors.hidden_mm, 5.5);  // 3 % of the diagonal
+  EXPECT_LT(errors.visible_mm, 2.0);
+  EXPECT_LT(errors.hidden_mm, 3.0);  // 2 % of the diagonal
 }
 
 TEST(Volume, KeepsTheVolumeOfAnIncompressibleBody) {
@@ -115,7 +115,7 @@ TEST(Volume, FollowsFromThePreviousNodes) {
       shape_in(run(plugin, scene, scene.matches(200, 0.5, 0.0, kSeed + 1, bent_block), &first));
   EXPECT_EQ(second.diag.value("start", -1.0), 0.0);
   EXPECT_EQ(second.diag.value("starts_tried", -1.0), 1.0);
-  EXPECT_LT(Errors(scene, second).visible_mm, 4.0);
+  EXPECT_LT(Errors(scene, second).visible_mm, 2.0);
 }
 
 TEST(Volume, IsDrawnToKnownPointsOnTheHiddenSide) {
