@@ -147,7 +147,7 @@ struct Bent {
 };
 
 TEST(VolumeEnergy, HasTheGradientThatDifferencesShow) {
-  constexpr double kStep_m = 1e-8;
+  constexpr double kStep_m = 1e-6;  // a smaller one drowns in the rounding of a large energy
   Bent bent;
   Points3 gradient(bent.nodes_m.rows(), 3);
   solvers::BlockMatrix matrix;
