@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <weft/core/result.hpp>
+#include <weft/data/camera.hpp>
+
+/// Networks that were trained for one template: files, checks and the forward pass.
+namespace weft::inference {
+
+/// Grid of cells over the network's image. Cell (i, j), row and column, has its centre at
+/// x = step_px j + (step_px - 1) / 2, y likewise, in px of the network's image.
+struct CellGrid {
+  std::string output;  ///< name of the network's output
+  int step_px = 0;     ///< [] px of the network's image, side of a cell
+  int columns = 0, rows = 0;
+};
+
+/// Grid of points over the template. Node (r, c) lies at x = c / (columns - 1) width_m, y likewise.
+struct VertexGrid {
+  std::string output;  ///< name of the network's output
+  int columns = 0, rows = 0;
+};
+
+/// The template that a network was trained for.
+struct TrainedTemplate {
+  double width_m = 0.0, height_m = 0.0;
+  std::string texture_hash;  ///< 16 hexadecimal digits, see texture_hash()
+};
+
+/// The contents of a network file NAME.yaml.
+struct NetworkFile {
+  std::string path;       ///< of the yaml
+  std::string onnx_path;  ///< of the ONNX file beside it
+  std::string onnx_hash;  ///< XXH3-64 of the ONNX file's bytes, 16 hexadecimal digits
+  std::string input;      ///< name of the network's input
+  Camera camera;          ///< of the network's image, with its size
+  CellGrid cells;
+  VertexGrid vertices;
+  TrainedTemplate templ;
+  double uv_error_factor = 1.0;  ///< expected error of uv = factor * exp(log error)
+};
+
+/// Reads and checks a network file. An error has the place in the file and the correction.
+Result<NetworkFile> read_network_file(const std::string& path);
+
+/// Reads the ONNX file and checks that its hash is that of the network file and that its contents
+/// are safe to hand to OpenCV (see onnx_scan.hpp).
+Result<std::string> read_onnx(const NetworkFile& file);
+
+}  // namespace weft::inference

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+#include <weft/core/result.hpp>
+
+namespace weft::inference {
+
+/// What a scan found in an ONNX file.
+struct OnnxContents {
+  std::int64_t weights = 0;  ///< number of elements of all tensors
+  std::vector<std::string> operators{}, inputs{}, outputs{};
+};
+
+/// Walks the bytes of an ONNX file before a library parses them. It refuses truncated files,
+/// tensors whose size is not that of their data, weights that are not finite, element types other
+/// than float32, int32 and int64, weights in other files, nested graphs and operators that the
+/// networks of Weft do not use. It is safe on any bytes.
+Result<OnnxContents> scan_onnx(std::string_view bytes);
+
+/// Fails unless the network has this input and these outputs.
+Result<void> check_names(const OnnxContents& contents, const std::string& input,
+                         const std::vector<std::string>& outputs);
+
+}  // namespace weft::inference

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/inference/registration.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <weft/core/index.hpp>
+#include <weft/core/statistics.hpp>
+
+namespace weft::inference {
+namespace {
+
+// Smallest stretch as a share of that of a surface face on: the depth of a network is not exact.
+constexpr double kLeastOfFrontal = 0.5;
+
+bool is_same_camera(const Camera& a, const Camera& b) {
+  return a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy && a.width_px == b.width_px &&
+         a.height_px == b.height_px;
+}
+
+/// Positions of the seen cells in their list, -1 where a cell is not seen.
+class CellIndex {
+ public:
+  CellIndex(const CellGrid& grid, const std::vector<SeenCell>& cells)
+      : grid_(grid), index_(to_index(grid.columns * grid.rows), -1) {
+    for (std::size_t n = 0; n < cells.size(); ++n) {
+      index_[to_index(cells[n].row * grid.columns + cells[n].column)] = static_cast<int>(n);
+    }
+  }
+  int at(int row, int column) const {
+    const bool inside = row >= 0 && column >= 0 && row < grid_.rows && column < grid_.columns;
+    return inside ? index_[to_index(row * grid_.columns + column)] : -1;
+  }
+
+ private:
+  CellGrid grid_;
+  std::vector<int> index_;
+};
+
+/// Squared template distance [m^2] over one cell along an axis of the image; nothing without a
+/// neighbour.
+std::optional<double> squared_step(const CellIndex& index, const std::vector<SeenCell>& cells,
+                                   const SeenCell& cell, bool along_x,
+                                   const Eigen::Array2d& size_m) {
+  const int before = index.at(cell.row - (along_x ? 0 : 1), cell.column - (along_x ? 1 : 0));
+  const int after = index.at(cell.row + (along_x ? 0 : 1), cell.column + (along_x ? 1 : 0));
+  if (before < 0 && after < 0) return std::nullopt;
+  const Eigen::Array2d from = before >= 0 ? cells[to_index(before)].uv : cell.uv;
+  const Eigen::Array2d to = after >= 0 ? cells[to_index(after)].uv : cell.uv;
+  const double steps = before >= 0 && after >= 0 ? 2.0 : 1.0;
+  return ((to - from) * size_m / steps).matrix().squaredNorm();
+}
+
+}  // namespace
+
+void set_stretch(const CellGrid& grid, const Eigen::Array2d& size_m, const Eigen::Array2d& cell_px,
+                 double focal_px, std::vector<SeenCell>& cells) {
+  const CellIndex index(grid, cells);
+  std::vector<double> known;
+  std::vector<std::size_t> unknown;
+  for (std::size_t n = 0; n < cells.size(); ++n) {
+    double sum = 0.0;
+    int axes = 0;
+    for (const int axis : {0, 1}) {
+      const auto step2 = squared_step(index, cells, cells[n], axis == 0, size_m);
+      if (!step2) continue;
+      sum += *step2 / (cell_px(axis) * cell_px(axis));
+      ++axes;
+    }
+    if (axes == 0) {
+      unknown.push_back(n);
+      continue;
+    }
+    cells[n].stretch_m_per_px = std::sqrt(sum / axes);
+    known.push_back(cells[n].stretch_m_per_px);
+  }
+  const double usual = known.empty() ? 0.0 : median(known);
+  for (const std::size_t n : unknown) cells[n].stretch_m_per_px = usual;
+  for (SeenCell& cell : cells) {
+    const double least = kLeastOfFrontal * cell.depth_m / focal_px;
+    cell.stretch_m_per_px = std::max(cell.stretch_m_per_px, least);
+  }
+}
+
+double sigma_px(const SeenCell& cell, double least_px, double most_px) {
+  const double sigma = cell.error_m / cell.stretch_m_per_px;
+  return sigma < most_px ? std::max(sigma, least_px) : most_px;  // also for NaN
+}
+
+Result<void> Registration::prepare(const std::string& path, const Template& templ,
+                                   const Camera& camera) {
+  if (!network_ || path_ != path) {
+    auto opened = Network::open(path);
+    if (!opened) return about("network", opened.error());
+    network_.emplace(*std::move(opened));
+    path_ = path;
+    map_.reset();
+    checked_revision_ = 0;
+  }
+  if (templ.revision == 0 || templ.revision != checked_revision_) {
+    checked_revision_ = 0;
+    const auto sheet = flat_sheet(templ);
+    if (!sheet) return about("template", sheet.error());
+    if (auto same = check_same_template(file(), templ, *sheet); !same) {
+      return about("network", same.error());
+    }
+    sheet_ = *sheet;
+    checked_revision_ = templ.revision;
+  }
+  if (map_ && is_same_camera(camera, camera_)) return {};
+  map_.reset();
+  auto map = InputMap::create(camera, file().camera);
+  if (!map) return about("camera", map.error());
+  map_ = *std::move(map);
+  camera_ = camera;
+  camera_.others = {};
+  return {};
+}
+
+Result<NetworkMaps> Registration::run(const Image& image, int threads) {
+  const Array<std::uint8_t>& pixels = image.pixels;
+  const bool has_size =
+      pixels.rows() > 0 && pixels.dim(0) == camera_.height_px && pixels.dim(1) == camera_.width_px;
+  if (!has_size || (pixels.ndim() == 3 && pixels.dim(2) != 1 && pixels.dim(2) != 3)) {
+    return about("image", Error{Errc::invalid_data, "the image must have the size of the camera, " +
+                                                        std::to_string(camera_.width_px) + " x " +
+                                                        std::to_string(camera_.height_px) +
+                                                        " px, and one or three channels"});
+  }
+  return network_->run(map_->image(pixels), threads);
+}
+
+Eigen::Array2d Registration::cell_px() const {
+  const auto scale = map_->scale();
+  const double step_px = file().cells.step_px;
+  return {step_px / scale[0], step_px / scale[1]};
+}
+
+std::vector<SeenCell> Registration::seen_cells(const NetworkMaps& maps,
+                                               double least_probability) const {
+  const CellGrid& grid = file().cells;
+  const double centre_px = 0.5 * (grid.step_px - 1);
+  std::vector<SeenCell> cells;
+  for (int i = 0; i < grid.rows; ++i) {
+    for (int j = 0; j < grid.columns; ++j) {
+      const auto channel = [&](int c) {
+        return static_cast<double>(maps.cells.at<float>(c, i * grid.columns + j));
+      };
+      const double probability = 1.0 / (1.0 + std::exp(-channel(0)));
+      if (!(probability >= least_probability)) continue;
+      const auto place = map_->to_frame(grid.step_px * j + centre_px, grid.step_px * i + centre_px);
+      if (!camera_.shows(place[0], place[1])) continue;
+      SeenCell cell{i, j, {place[0], place[1]}, {channel(1), channel(2)}, probability};
+      cell.error_m = file().uv_error_factor * std::exp(channel(3)) * file().templ.width_m;
+      cell.depth_m = std::exp(channel(4));
+      cells.push_back(cell);
+    }
+  }
+  set_stretch(grid, sheet_.size_m, cell_px(), std::sqrt(camera_.fx * camera_.fy), cells);
+  return cells;
+}
+
+}  // namespace weft::inference
