@@ -45,7 +45,7 @@ def difference(network: RegistrationNetwork, path: Path, images: np.ndarray) -> 
     except cv2.error as error:
         raise InputError(f"{path}: OpenCV {cv2.__version__} cannot read it ({error})") from None
     network = copy.deepcopy(network).eval()
-    worst = 0.0
+    found = [0.0]
     for image in images:
         values = np.ascontiguousarray(image.transpose(2, 0, 1)[None], np.float32)
         with torch.no_grad():
@@ -54,8 +54,8 @@ def difference(network: RegistrationNetwork, path: Path, images: np.ndarray) -> 
         for answer, wanted in zip(opencv.forward(["cells", "vertices"]), expected):
             if answer.shape != wanted.shape:
                 raise InputError(f"{path}: OpenCV answers {answer.shape}, torch {wanted.shape}")
-            worst = max(worst, float(np.abs(answer - wanted).max() / np.abs(wanted).max()))
-    return worst if math.isfinite(worst) else math.inf
+            found.append(float(np.abs(answer - wanted).max() / np.abs(wanted).max()))
+    return max(found) if all(map(math.isfinite, found)) else math.inf
 
 
 def _plain(metrics: dict[str, float]) -> dict[str, Any]:
