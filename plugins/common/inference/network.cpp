@@ -28,8 +28,7 @@ Result<void> guarded(const std::string& path, Body&& body) {
     return {};
   } catch (const cv::Exception& thrown) {
     return Error{Errc::unsupported, path + ": OpenCV cannot run this network: " + text_of(thrown) +
-                                        "; export it with the operators that Weft's page of " +
-                                        "networks lists"};
+                                        "; export it with static sizes and opset 11"};
   } catch (const std::bad_alloc&) {
     return Error{Errc::no_memory, path + ": the memory does not suffice for this network"};
   } catch (const std::exception& thrown) {

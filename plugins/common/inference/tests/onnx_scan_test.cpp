@@ -63,6 +63,10 @@ TEST(OnnxScan, RefusesSizesThatTheFileDoesNotHave) {
   EXPECT_THAT(reason(model.bytes()), HasSubstr("claim more elements"));
   model.tensors[2].dims = {7199};
   EXPECT_THAT(reason(model.bytes()), HasSubstr("should have 7199 elements, but have 7200"));
+  model.tensors[2] = f32_tensor("maps", {2}, {1.0F, 2.0F});
+  model.tensors[2].type = ElementType::i64;
+  model.tensors[2].lists_floats = true;  // two floats for two whole numbers
+  EXPECT_THAT(reason(model.bytes()), HasSubstr("should have 2 elements, but have 0"));
   const std::string claims = WireWriter().number(1, 6).torn_text(7, 10000000000U, "short").bytes();
   EXPECT_THAT(reason(claims), HasSubstr("cut off within the model"));
 }
