@@ -9,8 +9,9 @@ Prints a table in Markdown: a line for each compiler, a column for each mode. Wh
 -O2 is what the others are compared with, in the sense of "Reproducible": of the same library the same
 bytes, in the host's process and in one of its own; of another one masks that are equal but for
 matches within 1e-6 px of the limit, and shapes within 1e-3 mm. A library that cannot be in this host
-must be refused in a sentence, by each command, and what the sentence says to do must help. Exits 1
-where a pairing does neither.
+must be refused in a sentence, by each command, and what the sentence says to do must help. What a
+compiler calls native may exceed what a virtual machine grants: such a library must be refused for
+features that the processor does lack. Exits 1 where a pairing does none of these.
 """
 
 from __future__ import annotations
@@ -62,6 +63,10 @@ class Wrong(Exception):
     """What a pairing did that is neither the same result nor a refusal."""
 
 
+class Lacking(Exception):
+    """The sentence of a library that was refused for features that the processor lacks."""
+
+
 @dataclass
 class Host:
     build: Path
@@ -110,12 +115,29 @@ def refusal(text: str) -> str:
     return found.group(1) if found else ""
 
 
+def lacking(text: str) -> str:
+    """The sentence of a library that needs features, if the processor has none of them."""
+    found = re.search(r"it (needs processor features that this machine lacks: ([\w. ]+?)) *\(", text)
+    if not found:
+        return ""
+    flags = re.search(r"^flags\s*:(.*)$", Path("/proc/cpuinfo").read_text(), re.MULTILINE)
+    there = set(flags.group(1).split()) if flags else set()
+    if "abm" in there:  # Linux calls it by the name of AMD
+        there.add("lzcnt")
+    wrongly = there & set(found.group(2).split())
+    if wrongly:
+        raise Wrong(f"refused for features that this machine has, {sorted(wrongly)}: {text}")
+    return found.group(1)
+
+
 def run(host: Host, folder: Path, isolate: str, preload: str) -> dict[str, np.ndarray]:
     """All arrays that filter and solver answered, by frame and name."""
     out = folder / f"{isolate}_run"
     code, text = host.ask("--plugin-path", str(folder), "run", host.pipeline(isolate), "--out",
                           str(out), "--dump", "filters", "--dump", "solvers", "--quiet",
                           preload=preload)
+    if code == 2 and (sentence := lacking(text)):
+        raise Lacking(sentence)
     if code != 0:
         raise Wrong(f"run, isolate: {isolate}: exit {code}: {text}")
     answers = {}
@@ -190,7 +212,10 @@ def cell(host: Host, pairing: tuple[str, str], wanted: dict[str, np.ndarray]) ->
     folder = build(host, pairing)
     sentence, fix = refused(host, folder)
     if not sentence:
-        return Cell(compare(answers_of(host, folder), wanted))
+        try:
+            return Cell(compare(answers_of(host, folder), wanted))
+        except Lacking as refusal_by_processor:
+            return Cell("", str(refusal_by_processor))
     if not fix:
         return Cell("", sentence)
     preload = subprocess.run(["sh", "-c", f"printf %s {fix}"], text=True, check=False,
