@@ -19,7 +19,7 @@ using yaml_files::fail_at;
 
 constexpr std::uint64_t kMostOnnxBytes = std::uint64_t{1} << 29U;
 constexpr double kMostPx = 4096.0;
-constexpr double kMostNodes = 256.0;  // along a side of the vertex grid
+constexpr double kMostGridNodes = 256.0;  // along a side of the vertex grid
 
 /// The keys of one map of the file; errors name them with the path of the map, such as
 /// "camera.fx".
@@ -142,8 +142,8 @@ void read_grids(const Keys& root, NetworkFile& file) {
                                     std::to_string(file.camera.height_px) + " px");
   }
   const Keys vertices = root.map("vertices", {"output", "columns", "rows"});
-  file.vertices = {vertices.text("output"), vertices.whole("columns", 2.0, kMostNodes),
-                   vertices.whole("rows", 2.0, kMostNodes)};
+  file.vertices = {vertices.text("output"), vertices.whole("columns", 2.0, kMostGridNodes),
+                   vertices.whole("rows", 2.0, kMostGridNodes)};
 }
 
 NetworkFile read_keys(const std::string& path, const YAML::Node& node) {

@@ -25,7 +25,7 @@ namespace attribute_field {
 constexpr std::uint32_t kTensor = 5, kGraph = 6, kTensors = 10, kGraphs = 11;
 }
 
-constexpr std::size_t kMostNodes = 10000;
+constexpr std::size_t kMostOperators = 10000;
 constexpr std::size_t kMostInputs = 10000;  // older exporters list the weights as inputs
 
 constexpr std::array<std::string_view, 21> kOperators{
@@ -121,7 +121,7 @@ class Scan {
                      ") without inputs or outputs: export the network again");
     }
     contents.operators.push_back(op);
-    if (contents.operators.size() > kMostNodes) return refused("has more than 10000 nodes");
+    if (contents.operators.size() > kMostOperators) return refused("has more than 10000 nodes");
     return {};
   }
 
