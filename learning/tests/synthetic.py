@@ -16,9 +16,9 @@ FINER = 4  # times the small image, before area averaging
 ABSENT, BACK = 0.1, 0.05  # shares of samples without the object and with its back side
 
 
-def describe(frames: int, seed: int) -> dict:
+def describe(frames: int | None) -> dict:
     """Content of shards.json."""
-    return {"format": "weft.shards/1", "frames": frames, "seed": seed,
+    return {"format": "weft.shards/1", "frames": frames,
             "image": {"width_px": WIDTH_PX, "height_px": HEIGHT_PX, "cell_px": CELL_PX},
             "camera": {"fx": CAMERA[0, 0], "fy": CAMERA[1, 1], "cx": CAMERA[0, 2], "cy": CAMERA[1, 2]},
             "template": {"width_m": WIDTH_M, "height_m": HEIGHT_M, "columns": COLUMNS, "rows": ROWS,
@@ -124,7 +124,7 @@ def write_shards(folder: Path, frames: int, seed: int, length: int = 128, writte
     """Writes `frames` samples in shards of `length`, or only the first `written` shards of them."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "make.yaml").write_text(f"# synthetic rectangle, seed {seed}\n")
-    (folder / "shards.json").write_text(json.dumps(describe(frames, seed)))
+    (folder / "shards.json").write_text(json.dumps(describe(frames)))
     texture = random_texture(np.random.default_rng([seed, 0]))
     for number, begin in enumerate(range(0, frames, length)):
         if written is not None and number >= written:

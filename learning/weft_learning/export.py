@@ -111,7 +111,7 @@ def _description(shards: Shards, network: RegistrationNetwork, onnx: Path, metri
             "size": settings["size"], "parameters": parameters(network), "multiply_accumulates": multiplications(network),
             "samples": settings["samples"], "samples_seen": state["step"] * settings["batch"],
             "complete": state["step"] == state["steps"], "epochs": settings["epochs"], "batch": settings["batch"],
-            "learning_rate": settings["learning_rate"], "seed": settings["seed"], "data_seed": d.seed,
+            "learning_rate": settings["learning_rate"], "seed": settings["seed"],
             "recipe_hash": settings["recipe_hash"], "torch": str(torch.__version__), "opencv": cv2.__version__,
             "cpu_seconds": round(state["seconds"], 1), "validation": _plain(metrics["validation"]),
             "test": _plain(metrics["test"])},

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xxhash
 
 from .errors import InputError
 
@@ -23,8 +24,8 @@ SPLITS = ("train", "validation", "test")
 class Description:
     """Content of shards.json."""
 
-    frames: int
-    seed: int
+    frames: int | None  # None while they are being written
+    recipe_hash: str  # of make.yaml, the pipeline that made them; empty without that file
     width_px: int
     height_px: int
     cell_px: int
@@ -59,7 +60,8 @@ def read_description(folder: Path) -> Description:
     try:
         image, camera, template = content["image"], content["camera"], content["template"]
         description = Description(
-            _whole(content, "frames", 1), _whole(content, "seed", 0), _whole(image, "width_px", 1),
+            None if content["frames"] is None else _whole(content, "frames", 1), _recipe_hash(folder),
+            _whole(image, "width_px", 1),
             _whole(image, "height_px", 1), _whole(image, "cell_px", 1),
             tuple(float(camera[key]) for key in ("fx", "fy", "cx", "cy")), _length(template, "width_m"),
             _length(template, "height_m"), _whole(template, "columns", 2), _whole(template, "rows", 2),
@@ -73,6 +75,12 @@ def read_description(folder: Path) -> Description:
                          f"{description.cell_px} px; the network needs a width that is a multiple of 32 px, a height "
                          "that is a multiple of 8 px and cells of 4 px")
     return description
+
+
+def _recipe_hash(folder: Path) -> str:
+    """XXH3-64 of the pipeline that made the shards, as 16 hexadecimal digits."""
+    recipe = folder / "make.yaml"
+    return xxhash.xxh3_64_hexdigest(recipe.read_bytes()) if recipe.is_file() else ""
 
 
 def _whole(group: dict[str, Any], key: str, least: int) -> int:
@@ -129,7 +137,9 @@ class Shards:
         self.folder = folder
         self._wait = wait
         self.description = read_description(folder)
-        frames = self.description.frames
+        frames = self.description.frames if self.description.frames is not None else samples
+        if frames is None:
+            raise InputError(f"{folder}: the shards are not complete; give --samples, or wait until they are")
         self.samples = frames if samples is None else samples
         if not 1 <= self.samples <= frames:
             raise InputError(f"{folder}: --samples {samples} of {frames} frames; give 1 to {frames} or make more")
@@ -137,6 +147,7 @@ class Shards:
         # Each memmap keeps a file open, and hundreds of shards exceed the usual limit of 1024.
         hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
         resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
+        self._frames = frames
         self.length = min(len(self.shard(0)["image"]), frames)
 
     def shard(self, number: int) -> dict[str, np.ndarray]:
@@ -155,8 +166,9 @@ class Shards:
     def _check_length(self, path: Path, number: int, length: int) -> None:
         if number == 0:
             return
-        expected = min(self.length, self.description.frames - number * self.length)
-        if length != expected:
+        expected = min(self.length, self._frames - number * self.length)
+        # While shards are being written, those behind the wanted samples are complete.
+        if length < expected or (length > expected and self.description.frames is not None):
             raise InputError(f"{path}: {length} samples where {expected} are expected (each shard but the last has "
                              f"{self.length}); remove {path} and make it again")
 

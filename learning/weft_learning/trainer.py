@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import torch
-import xxhash
 
 from .batches import Augmentation, read_batch
 from .curves import curve_text
@@ -48,9 +47,6 @@ def identity(shards: Shards) -> dict[str, Any]:
     """What must not change between two starts of one training; more frames may be added."""
     content = dataclasses.asdict(shards.description)
     del content["frames"]
-    content["data_seed"] = content.pop("seed")
-    recipe = shards.folder / "make.yaml"
-    content["recipe_hash"] = xxhash.xxh3_64_hexdigest(recipe.read_bytes()) if recipe.exists() else ""
     return content
 
 
