@@ -25,16 +25,14 @@ def main() -> int:
     from weft_learning.errors import InputError
     from weft_learning.export import export
     from weft_learning.shards import Shards
+    from weft_learning.trainer import samples_of_checkpoint
 
     def missing(message: str) -> None:
         raise InputError(message.replace("waiting for", "missing:") + "; wait for the writer or lower --samples")
 
     torch.set_num_threads(1)
     try:
-        path = options.folder / "checkpoint.pt"
-        if not path.exists():
-            raise InputError(f"{path}: missing; run train.py first")
-        samples = options.samples or torch.load(path, map_location="cpu")["settings"]["samples"]
+        samples = options.samples or samples_of_checkpoint(options.folder)
         name = options.name or options.folder.resolve().name
         description = export(Shards(options.shards, samples, missing), options.folder, name)
     except InputError as error:

@@ -49,13 +49,14 @@ def main() -> int:
     from weft_learning.errors import InputError, Stopped
     from weft_learning.export import export
     from weft_learning.shards import Shards
-    from weft_learning.trainer import Settings, Training, Watch
+    from weft_learning.trainer import Settings, Training, Watch, samples_of_checkpoint
 
     torch.set_num_threads(options.threads)
     torch.use_deterministic_algorithms(True)
     watch = Watch(options.minutes)
     try:
-        shards = Shards(options.shards, options.samples, watch.wait)
+        samples = options.samples or samples_of_checkpoint(options.out)
+        shards = Shards(options.shards, samples, watch.wait)
         options.out.mkdir(parents=True, exist_ok=True)
         training = Training(shards, options.out, Settings(options.size, shards.samples, options.epochs, options.batch,
                                                           options.seed, options.rate))

@@ -124,7 +124,8 @@ def write_shards(folder: Path, frames: int, seed: int, length: int = 128, writte
     """Writes `frames` samples in shards of `length`, or only the first `written` shards of them."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "make.yaml").write_text(f"# synthetic rectangle, seed {seed}\n")
-    (folder / "shards.json").write_text(json.dumps(describe(frames)))
+    complete = written is None or written * length >= frames
+    (folder / "shards.json").write_text(json.dumps(describe(frames if complete else None)))
     texture = random_texture(np.random.default_rng([seed, 0]))
     for number, begin in enumerate(range(0, frames, length)):
         if written is not None and number >= written:

@@ -60,7 +60,7 @@ class Checker(unittest.TestCase):
             folder = Path(name)
             synthetic.write_shards(folder, 8, SEED, written=0)
             synthetic.write_shard(folder / "000000", [synthetic.render(checker(), p, grey, random) for p in poses])
-            batch = read_batch(Shards(folder, None, refuse_to_wait), np.arange(8))
+            batch = read_batch(Shards(folder, 8, refuse_to_wait), np.arange(8))
         errors: list[float] = []
         for k, pose in enumerate(poses):
             image = batch.image[k].permute(1, 2, 0).numpy().astype(np.uint8)

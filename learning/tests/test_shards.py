@@ -110,6 +110,30 @@ class DamagedShards(unittest.TestCase):
             Shards(self.folder, 13, refuse_to_wait)
 
 
+class Growing(unittest.TestCase):
+    """Shards that are still being written."""
+
+    def test_samples_must_be_given_while_their_number_is_unknown(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            synthetic.write_shards(Path(name), 12, SEED, length=8, written=1)
+            with self.assertRaisesRegex(InputError, "still being written; give --samples"):
+                Shards(Path(name), None, refuse_to_wait)
+            self.assertEqual(Shards(Path(name), 8, refuse_to_wait).gather(np.arange(8))["image"].shape[0], 8)
+
+    def test_a_wait_ends_with_an_error_when_the_shards_are_complete_without_the_awaited_one(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            synthetic.write_shards(Path(name), 24, SEED, length=8, written=1)
+            waited = []
+
+            def wait(message: str) -> None:
+                waited.append(message)
+                (Path(name) / "shards.json").write_text(json.dumps(synthetic.describe(8)))
+
+            with self.assertRaisesRegex(InputError, "000001: missing, but the 8 frames .* are complete"):
+                Shards(Path(name), 16, wait).gather(np.array([9]))
+            self.assertEqual(waited, [f"waiting for {Path(name) / '000001'}"])
+
+
 class Reading(unittest.TestCase):
     """Values and order of good shards."""
 

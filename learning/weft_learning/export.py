@@ -18,7 +18,7 @@ from .errors import InputError
 from .metrics import evaluate
 from .network import STEP_PX, RegistrationNetwork, folded, multiplications, parameters
 from .shards import Shards
-from .trainer import CHECKPOINT, make_network, write_atomically
+from .trainer import CHECKPOINT, load_checkpoint, make_network, write_atomically
 
 OPSET = 11
 TOLERANCE = 1e-4  # of the largest value of an output
@@ -66,9 +66,9 @@ def _plain(metrics: dict[str, float]) -> dict[str, Any]:
 def export(shards: Shards, folder: Path, name: str) -> dict[str, Any]:
     """Writes FOLDER/NAME.onnx and NAME.yaml from the checkpoint of the folder; returns the description."""
     path = folder / CHECKPOINT
-    if not path.exists():
+    state = load_checkpoint(folder)
+    if not state:
         raise InputError(f"{path}: missing; run train.py first")
-    state = torch.load(path, map_location="cpu")
     settings = state["settings"]
     network = make_network(settings["size"], shards.description)
     try:

@@ -24,7 +24,7 @@ SPLITS = ("train", "validation", "test")
 class Description:
     """Content of shards.json."""
 
-    frames: int | None  # None while they are being written
+    frames: int | None  # None while shards are being written
     recipe_hash: str  # of make.yaml, the pipeline that made them; empty without that file
     width_px: int
     height_px: int
@@ -61,8 +61,7 @@ def read_description(folder: Path) -> Description:
         image, camera, template = content["image"], content["camera"], content["template"]
         description = Description(
             None if content["frames"] is None else _whole(content, "frames", 1), _recipe_hash(folder),
-            _whole(image, "width_px", 1),
-            _whole(image, "height_px", 1), _whole(image, "cell_px", 1),
+            _whole(image, "width_px", 1), _whole(image, "height_px", 1), _whole(image, "cell_px", 1),
             tuple(float(camera[key]) for key in ("fx", "fy", "cx", "cy")), _length(template, "width_m"),
             _length(template, "height_m"), _whole(template, "columns", 2), _whole(template, "rows", 2),
             str(template["texture_hash"]))
@@ -139,7 +138,7 @@ class Shards:
         self.description = read_description(folder)
         frames = self.description.frames if self.description.frames is not None else samples
         if frames is None:
-            raise InputError(f"{folder}: the shards are not complete; give --samples, or wait until they are")
+            raise InputError(f"{folder}: shards are still being written; give --samples or wait for the end")
         self.samples = frames if samples is None else samples
         if not 1 <= self.samples <= frames:
             raise InputError(f"{folder}: --samples {samples} of {frames} frames; give 1 to {frames} or make more")
@@ -155,8 +154,10 @@ class Shards:
         if number not in self._open:
             path = self.folder / f"{number:06d}"
             while not path.is_dir():
-                if not self.folder.is_dir():
-                    raise InputError(f"{self.folder}: the folder disappeared; restore it and start again")
+                frames = read_description(self.folder).frames
+                if frames is not None and not path.is_dir():
+                    raise InputError(f"{path}: missing, but the {frames} frames of {self.folder} are complete; make "
+                                     "them again or give fewer --samples")
                 self._wait(f"waiting for {path}")
             arrays = open_shard(path, self.description)
             self._check_length(path, number, len(arrays["image"]))

@@ -65,6 +65,23 @@ def write_atomically(path: Path, write: Any) -> None:
     os.replace(temporary, path)
 
 
+def load_checkpoint(folder: Path) -> dict[str, Any] | None:
+    """Content of the checkpoint of a folder, if there is one."""
+    path = folder / CHECKPOINT
+    if not path.exists():
+        return None
+    try:
+        return torch.load(path, map_location="cpu")
+    except Exception as error:  # torch.load raises many types for a damaged file.
+        raise InputError(f"{path}: cannot be read ({error}); remove it to train from the start") from None
+
+
+def samples_of_checkpoint(folder: Path) -> int | None:
+    """Number of samples of a training that began before, so that the same command continues it."""
+    state = load_checkpoint(folder)
+    return state["settings"]["samples"] if state else None
+
+
 class Training:
     """One training of one folder; continues from its checkpoint."""
 
@@ -88,8 +105,9 @@ class Training:
         self.step, self.seconds = 0, 0.0
         self.curve: list[dict[str, float]] = []
         self.sums, self.counted = dict.fromkeys((*PARTS, "loss", "gradient"), 0.0), 0
-        if (folder / CHECKPOINT).exists():
-            self._load()
+        state = load_checkpoint(folder)
+        if state:
+            self._continue(state)
         else:
             self._start_at_mean()
 
@@ -107,16 +125,12 @@ class Training:
         vertices = batch.vertices[present].mean(dim=0)
         self.network.start_at(float(vertices[2].mean()), vertices)
 
-    def _load(self) -> None:
-        path = self.folder / CHECKPOINT
-        try:
-            state = torch.load(path, map_location="cpu")
-        except Exception as error:  # torch.load raises many types for a damaged file.
-            raise InputError(f"{path}: cannot be read ({error}); remove it to train from the start") from None
+    def _continue(self, state: dict[str, Any]) -> None:
+        """Takes the state of a checkpoint that has the same settings."""
         wanted = {**dataclasses.asdict(self.settings), **identity(self.shards)}
         for name, value in wanted.items():
             if state["settings"].get(name) != value:
-                raise InputError(f"{path}: {name} is {state['settings'].get(name)!r} there and {value!r} here; use "
+                raise InputError(f"{self.folder / CHECKPOINT}: {name} is {state['settings'].get(name)!r} there and {value!r} here; use "
                                  "the same settings or another --out")
         self.network.load_state_dict(state["network"])
         self.optimiser.load_state_dict(state["optimiser"])
