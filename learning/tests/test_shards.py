@@ -146,7 +146,8 @@ class Reading(unittest.TestCase):
             index = np.array([39, 3, 17])
             batch = read_batch(shards, index)
             for row, k in enumerate(index):
-                stored = {a: np.load(folder / f"{k // 16:06d}" / f"{a}.npy")[k % 16] for a in shards.description.arrays(0)}
+                stored = {name: np.load(folder / f"{k // 16:06d}" / f"{name}.npy")[k % 16]
+                          for name in shards.description.arrays(0)}
                 np.testing.assert_array_equal(batch.image[row].numpy().transpose(1, 2, 0), stored["image"])
                 np.testing.assert_allclose(batch.mask[row].numpy() * 255, stored["mask"], atol=1e-4)
                 labelled = batch.labelled[row].numpy()

@@ -153,7 +153,8 @@ class Trainings(unittest.TestCase):
     def test_other_settings_than_those_of_the_checkpoint_are_refused(self) -> None:
         for option, value, name in (("--seed", "4", "seed is 3 there and 4 here"), ("--batch", "4", "batch is 8"),
                                     ("--epochs", "3", "epochs is 12"), ("--size", "standard", "size is 'tiny'"),
-                                    ("--samples", "300", "samples is 320"), ("--rate", "0.1", "learning_rate is 0.003")):
+                                    ("--samples", "300", "samples is 320"),
+                                    ("--rate", "0.1", "learning_rate is 0.003")):
             result = train(self.shards, self.whole, option, value)
             self.assertEqual(result.returncode, 2)
             self.assertIn(name, result.stderr)
@@ -183,6 +184,9 @@ class Trainings(unittest.TestCase):
         self.assertEqual(process.returncode, 0, printed)
         self.assertEqual(train(self.shards, at_once, *one_epoch).returncode, 0)
         self.assertEqual((out / "curve.csv").read_bytes(), (at_once / "curve.csv").read_bytes())
+        # Their number is still unknown: the checkpoint has it.
+        self.assertEqual(train(growing, out, "--epochs", "1").returncode, 0)
+        self.assertIn("still being written", train(growing, self.folder / "new").stderr)
 
     def test_curves_become_a_page_a_figure_and_a_table(self) -> None:
         for name in ("page.html", "figure.svg"):

@@ -108,7 +108,8 @@ def _description(shards: Shards, network: RegistrationNetwork, onnx: Path, metri
         "template": {"width_m": d.width_m, "height_m": d.height_m, "texture_hash": d.texture_hash},
         "uv_error_factor": float(f"{factor:.5g}") if math.isfinite(factor) else 1.0,
         "training": {
-            "size": settings["size"], "parameters": parameters(network), "multiply_accumulates": multiplications(network),
+            "size": settings["size"], "parameters": parameters(network),
+            "multiply_accumulates": multiplications(network),
             "samples": settings["samples"], "samples_seen": state["step"] * settings["batch"],
             "complete": state["step"] == state["steps"], "epochs": settings["epochs"], "batch": settings["batch"],
             "learning_rate": settings["learning_rate"], "seed": settings["seed"],

@@ -129,9 +129,10 @@ class Training:
         """Takes the state of a checkpoint that has the same settings."""
         wanted = {**dataclasses.asdict(self.settings), **identity(self.shards)}
         for name, value in wanted.items():
-            if state["settings"].get(name) != value:
-                raise InputError(f"{self.folder / CHECKPOINT}: {name} is {state['settings'].get(name)!r} there and {value!r} here; use "
-                                 "the same settings or another --out")
+            there = state["settings"].get(name)
+            if there != value:
+                raise InputError(f"{self.folder / CHECKPOINT}: {name} is {there!r} there and {value!r} here; use the "
+                                 "same settings or another --out")
         self.network.load_state_dict(state["network"])
         self.optimiser.load_state_dict(state["optimiser"])
         self.step, self.seconds, self.curve = state["step"], state["seconds"], state["curve"]
