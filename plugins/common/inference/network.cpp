@@ -120,9 +120,9 @@ Result<NetworkMaps> Network::run(const cv::Mat& rgb, int threads) {
   std::vector<cv::Mat> outputs;
   auto ran = guarded(file_.onnx_path, [&] {
     const auto forward = [&](const cv::Range&) { outputs = engine_->forward(rgb, file_); };
-    // Loops within a parallel loop of OpenCV run on the calling thread. This keeps a grant of one
-    // thread without a change of the pool that other components use.
-    if (threads <= 1) {
+    // Loops within a parallel loop of OpenCV run on the calling thread. This keeps a grant of fewer
+    // threads without a change of the pool that other components use.
+    if (threads < cv::getNumThreads()) {
       cv::parallel_for_(cv::Range(0, 1), forward);
     } else {
       forward(cv::Range(0, 1));

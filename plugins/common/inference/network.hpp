@@ -35,8 +35,8 @@ class Network {
 
   const NetworkFile& file() const { return file_; }
 
-  /// `rgb` is f32 [height,width,3], 0 to 255. With one thread the network runs on the calling one;
-  /// with more on OpenCV's pool, whose size it leaves as it is.
+  /// `rgb` is f32 [height,width,3], 0 to 255. The network runs on OpenCV's pool if `threads` is at
+  /// least its size, else on the calling thread. The size of the pool stays as it is.
   Result<NetworkMaps> run(const cv::Mat& rgb, int threads);
 
  private:

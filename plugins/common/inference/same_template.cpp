@@ -22,7 +22,7 @@ Error not_flat(const std::string& how) {
 
 std::string size_of(double width_m, double height_m) {
   char text[80];
-  std::snprintf(text, sizeof text, "%.6g x %.6g m", width_m, height_m);
+  std::snprintf(text, sizeof text, "%.10g x %.10g m", width_m, height_m);
   return text;
 }
 
