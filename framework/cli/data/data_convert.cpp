@@ -79,7 +79,7 @@ void convert(const ConvertOptions& options, Context& context) {
     context.exit_code = misuse ? kBadConfiguration : kInputOutput;
     return;
   }
-  make_sequence(*text, options.folder, options.settings, options.quiet,
+  make_sequence(*text, options.folder, options.settings, options.quiet, frames_in_sequence,
                 {Errc::invalid_data, "holds no frame that could be written", options.path},
                 context);
 }

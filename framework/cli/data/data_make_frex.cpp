@@ -16,6 +16,7 @@ namespace {
 struct FrexOptions {
   std::string sheet;  ///< the PDF, if the marker layout is requested
   std::string video, camera, layout;
+  std::string purpose;  ///< "learning", or empty
   std::string folder, texture, pattern, background;
   double width_m = 0.297;
   double height_m = 0.0;
@@ -66,6 +67,36 @@ GeneratedText simulation_text(const FrexOptions& options) {
   return text;
 }
 
+/// The pipeline that simulates independent images and stores them for the training of networks.
+GeneratedText learning_text(const FrexOptions& options) {
+  const std::string texture =
+      yaml_quoted(std::filesystem::absolute(options.texture).lexically_normal().string());
+  const std::string size =
+      fmt::format("width_m: {}, height_m: {}", options.width_m, options.height_m);
+  GeneratedText text("weft data make frex");
+  text.add(
+      "# Made by `weft data make frex --for learning`; `weft run` of this file makes it again.\n"
+      "weft: 1\non_error: stop\nsequence: false\nsource:\n  use: sources/frex_samples\n"
+      "  params:\n    object:\n      use: templates/rectangular\n");
+  text.add("      params: {texture: " + texture + ",\n", "--texture " + options.texture);
+  text.add("        " + size + ",\n", "--width-m");
+  text.add("        columns: 40, rows: 28}\n");
+  text.add(fmt::format("    frames: {}\n", options.frames), "--frames");
+  text.add(fmt::format("    seed: {}\n", options.seed), "--seed");
+  text.add("template:\n  use: templates/rectangular\n  params: {texture: " + texture + ",\n",
+           "--texture " + options.texture);
+  text.add("    " + size + ", columns: 10, rows: 7}\n", "--width-m");
+  text.add("sinks:\n  - use: sinks/shards\n    params: {path: .}\n");
+  return text;
+}
+
+Result<GeneratedText> pipeline_text(const FrexOptions& options, Context& context) {
+  if (!options.purpose.empty()) return learning_text(options);
+  if (options.video.empty()) return simulation_text(options);
+  return frex_video_pipeline(context, {options.video, options.camera, options.layout,
+                                       options.texture, options.background, options.seed});
+}
+
 void make(const FrexOptions& options, Context& context) {
   if (!options.sheet.empty()) {
     context.exit_code = make_frex_sheet(context, {options.sheet, options.seed, options.overwrite});
@@ -79,17 +110,14 @@ void make(const FrexOptions& options, Context& context) {
     context.exit_code = kBadConfiguration;
     return;
   }
-  const Result<GeneratedText> pipeline =
-      options.video.empty()
-          ? simulation_text(options)
-          : frex_video_pipeline(context, {options.video, options.camera, options.layout,
-                                          options.texture, options.background, options.seed});
+  const Result<GeneratedText> pipeline = pipeline_text(options, context);
   if (!pipeline) {
     print_error(pipeline.error());
     context.exit_code = pipeline.error().code == Errc::io ? kInputOutput : kBadConfiguration;
     return;
   }
   make_sequence(*pipeline, options.folder, options.settings, options.quiet,
+                options.purpose.empty() ? frames_in_sequence : frames_in_shards,
                 {Errc::invalid_data,
                  "the marker page is found in no frame: check that the layout belongs to this "
                  "page, and that its markers are sharp and at least 18 px wide",
@@ -99,13 +127,19 @@ void make(const FrexOptions& options, Context& context) {
 
 /// Adds the options of recorded videos only, and those of simulations only.
 void add_kinds(CLI::App& command, FrexOptions& options) {
+  CLI::Option* purpose =
+      command
+          .add_option("--for", options.purpose,
+                      "learning: independent images (sources/frex_samples), stored with their "
+                      "labels as arrays (sinks/shards)")
+          ->check(CLI::IsMember({"learning"}));
   CLI::Option* video =
       command.add_option("--video", options.video, "Film of the marker page, to be textured");
   command.add_option("--camera", options.camera, "Camera file of the film")->needs(video);
   command
       .add_option("--layout", options.layout, "Layout of the marker page, written beside its PDF")
       ->needs(video);
-  video->needs("--camera")->needs("--layout");
+  video->needs("--camera")->needs("--layout")->excludes(purpose);
   for (CLI::Option* option :
        {command.add_option("--width-m", options.width_m, "Width of the simulated surface"),
         command.add_option("--height-m", options.height_m, "Its height; 0: texels are square"),
@@ -114,9 +148,12 @@ void add_kinds(CLI::App& command, FrexOptions& options) {
   }
   command
       .add_option("--pattern", options.pattern, "roll, s_bend, corner_fold, wave, handles or bulge")
-      ->excludes(video);
+      ->excludes(video)
+      ->excludes(purpose);
   command.add_flag("--occluder", options.occluder, "An arm hides parts of the surface")
-      ->excludes(video);
+      ->excludes(video)
+      ->excludes(purpose);
+  purpose->excludes(command.get_option("--background"));
 }
 
 }  // namespace

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <weft/core/whole_file.hpp>
 
 #include "cli/output/new_file.hpp"
@@ -60,16 +62,9 @@ Result<void> write_pipeline(const std::string& text, const fs::path& folder) {
   return write_whole(text, folder / kPipelineName);
 }
 
-std::int64_t frames_in(const fs::path& folder) {
-  std::error_code ignored;
-  const fs::directory_iterator entries(folder / "frames", ignored);
-  return std::count_if(begin(entries), end(entries),
-                       [](const auto& entry) { return entry.path().extension() == ".png"; });
-}
-
 /// Leaves what was there before, which is nothing, unless frames were finished.
-void withdraw(const fs::path& folder) {
-  if (frames_in(folder) > 0) return;
+void withdraw(const fs::path& folder, std::int64_t frames) {
+  if (frames > 0) return;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored)) {
     fs::remove_all(entry.path(), ignored);
@@ -80,7 +75,8 @@ void withdraw(const fs::path& folder) {
 }  // namespace
 
 void make_sequence(const GeneratedText& pipeline_text, const std::string& folder,
-                   const std::vector<std::string>& settings, bool quiet, const Error& none,
+                   const std::vector<std::string>& settings, bool quiet,
+                   std::int64_t (*frames_in)(const std::string&), const Error& none,
                    Context& context) {
   if (auto written = write_pipeline(pipeline_text.text(), folder); !written) {
     print_error(written.error());
@@ -93,7 +89,7 @@ void make_sequence(const GeneratedText& pipeline_text, const std::string& folder
       check_pipeline(file, registry, fs::absolute(folder).string(), settings);
   if (!report.ok()) {
     fmt::print(stderr, "{}", pipeline_text.report_text(report, file));
-    withdraw(folder);
+    withdraw(folder, frames_in(folder));
     context.exit_code = kBadConfiguration;
     return;
   }
@@ -104,7 +100,7 @@ void make_sequence(const GeneratedText& pipeline_text, const std::string& folder
   progress.end_line();
   if (!summary) {
     print_error(summary.error());
-    withdraw(folder);
+    withdraw(folder, frames_in(folder));
     context.exit_code = summary.error().code == Errc::io ? kInputOutput : kBadConfiguration;
     return;
   }
@@ -114,12 +110,12 @@ void make_sequence(const GeneratedText& pipeline_text, const std::string& folder
   const std::int64_t written = frames_in(folder);
   if (summary->cancelled && written == 0) {
     fmt::print("interrupted before the first frame was finished: nothing is left\n");
-    withdraw(folder);
+    withdraw(folder, frames_in(folder));
     return;
   }
   if (written == 0 && context.exit_code == kDone) {
     print_error(none);
-    withdraw(folder);
+    withdraw(folder, frames_in(folder));
     context.exit_code = kFramesFailed;
     return;
   }
@@ -127,6 +123,27 @@ void make_sequence(const GeneratedText& pipeline_text, const std::string& folder
   fmt::print("{} frames{}, {} failed{}: {}\n", summary->frames,
              left_out > 0 ? fmt::format(", {} omitted", left_out) : "", summary->failed,
              summary->stopped ? ", stopped early" : "", folder);
+}
+
+std::int64_t frames_in_sequence(const std::string& folder) {
+  std::error_code ignored;
+  const fs::directory_iterator entries(fs::path(folder) / "frames", ignored);
+  return std::count_if(begin(entries), end(entries),
+                       [](const auto& entry) { return entry.path().extension() == ".png"; });
+}
+
+std::int64_t frames_in_shards(const std::string& folder) {
+  std::ifstream file(fs::path(folder) / "shards.json");
+  const auto text = nlohmann::json::parse(file, nullptr, false);
+  if (text.is_object() && text.contains("frames") && text["frames"].is_number_integer()) {
+    return text["frames"].get<std::int64_t>();
+  }
+  // A run that broke off has not counted them, but each shard has one at least.
+  std::error_code ignored;
+  const fs::directory_iterator entries(folder, ignored);
+  return std::count_if(begin(entries), end(entries), [](const auto& entry) {
+    return fs::exists(entry.path() / "image.npy") && entry.path().extension() != ".part";
+  });
 }
 
 std::string yaml_quoted(const std::string& text) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kit/testing/contract_materials.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 #include <weft/core/index.hpp>
 #include <weft/data/matrix.hpp>
@@ -182,6 +184,39 @@ ObjectMask mask_of(const Template& templ, const Camera& camera, const Developabl
   return mask;
 }
 
+void add_maps(const Template& templ, const Camera& camera, const DevelopableSheet& sheet,
+              GroundTruth& truth) {
+  constexpr int kSteps = 6;
+  constexpr double kSmall_px = 1e-6;
+  const TrueMap map{templ, camera, sheet};
+  const Eigen::Vector2d last(static_cast<double>(templ.texture.dim(1)) - 0.5,
+                             static_cast<double>(templ.texture.dim(0)) - 0.5);
+  truth.depth_m = Array<float>({camera.height_px, camera.width_px}, 0.0F);
+  truth.uv_m =
+      Array<float>({camera.height_px, camera.width_px, 2}, std::numeric_limits<float>::quiet_NaN());
+  Eigen::Vector2d texel = 0.5 * last;
+  for (std::int64_t y = 0; y < camera.height_px; ++y) {
+    for (std::int64_t x = 0; x < camera.width_px; ++x) {
+      const Eigen::Vector2d pixel(static_cast<double>(x), static_cast<double>(y));
+      Eigen::Vector2d off = pixel - map.at(texel.x(), texel.y());
+      for (int step = 0; step < kSteps && off.norm() > kSmall_px; ++step) {
+        Eigen::Matrix2d slope;
+        slope << map.at(texel.x() + 0.5, texel.y()) - map.at(texel.x() - 0.5, texel.y()),
+            map.at(texel.x(), texel.y() + 0.5) - map.at(texel.x(), texel.y() - 0.5);
+        texel += slope.inverse() * off;
+        texel = texel.cwiseMax(-last).cwiseMin(2.0 * last);
+        off = pixel - map.at(texel.x(), texel.y());
+      }
+      const bool is_on = texel.minCoeff() >= -0.5 && (texel.array() <= last.array()).all();
+      if (!is_on || !(off.norm() < 1e-3)) continue;
+      const double x_m = templ.m_per_px(0) * texel.x(), y_m = templ.m_per_px(1) * texel.y();
+      truth.uv_m.row(y)[2 * x] = static_cast<float>(x_m);
+      truth.uv_m.row(y)[2 * x + 1] = static_cast<float>(y_m);
+      truth.depth_m(y, x) = static_cast<float>(sheet.at(x_m, y_m).z());
+    }
+  }
+}
+
 Shape shape_at(const Points3& vertices_m) {
   Shape shape;
   shape.vertices_m = make_array<double>(vertices_m);
@@ -206,6 +241,7 @@ GroundTruth truth_of(const Template& templ, const Points3& vertices_m) {
   const Eigen::Vector2d pitch = templ.m_per_px.matrix<1>();
   truth.template_xy_m = make_array<double>(Points2(templ.flat_px.matrix<2>() * pitch.asDiagonal()));
   truth.points_m = make_array<double>(vertices_m);
+  truth.faces = templ.faces;
   truth.kind = "synthetic";
   return truth;
 }

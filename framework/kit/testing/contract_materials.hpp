@@ -26,6 +26,10 @@ WarpSamples sample_truth(const Template& templ, const Camera& camera,
 /// The exact mask of the bent template: the foreground is the share of each pixel that it covers.
 ObjectMask mask_of(const Template& templ, const Camera& camera, const DevelopableSheet& sheet);
 
+/// Adds template point and depth of each pixel, by Newton's method from one pixel to the next.
+void add_maps(const Template& templ, const Camera& camera, const DevelopableSheet& sheet,
+              GroundTruth& truth);
+
 Shape shape_at(const Points3& vertices_m);
 Visibility all_visible(std::int64_t count);
 GroundTruth truth_of(const Template& templ, const Points3& vertices_m);

@@ -173,6 +173,7 @@ Scene make_scene(int number, const MatchSpec& draw, int round, std::uint64_t see
       make_cylinder(kSheet, radius_m, 0.4 + number, {.distance_m = 0.65, .tilt_y_rad = 0.15});
   const Points3 vertices_m = bent_vertices(scene.templ, sheet);
   scene.ground_truth = truth_of(scene.templ, vertices_m);
+  add_maps(scene.templ, scene.camera, sheet, scene.ground_truth);
   scene.matches = draw_matches(scene.templ, scene.camera, sheet, draw, rng);
   describe(scene.matches, rng);
   const Rng descriptors(seed);

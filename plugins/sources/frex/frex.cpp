@@ -8,7 +8,9 @@
 #include "common/images/picture_file.hpp"
 #include "film/film_source.hpp"
 #include "handle_pair.hpp"
+#include "print.hpp"
 #include "rest_sheet.hpp"
+#include "samples/sample_source.hpp"
 #include "settings.hpp"
 #include "sheet_film.hpp"
 #include "solid/solid_film.hpp"
@@ -16,14 +18,6 @@
 
 namespace weft::frex {
 namespace {
-
-/// The texture of a template.
-scene::MipTexture print_of(const Template& templ) {
-  const auto& texture = templ.texture;
-  return scene::MipTexture(
-      cv::Mat(static_cast<int>(texture.dim(0)), static_cast<int>(texture.dim(1)),
-              texture.ndim() == 3 ? CV_8UC3 : CV_8UC1, const_cast<std::uint8_t*>(texture.data())));
-}
 
 /// A simulated textured surface.
 class SheetSource : public FilmSource {
@@ -169,6 +163,7 @@ class FrexVolume final : public FilmSource {
 using weft::frex::Frex;
 using weft::frex::FrexObject;
 using weft::frex::FrexVolume;
+using weft::frex::SampleSource;
 WEFT_LIBRARY(
     WEFT_COMPONENT(Frex, "sources/frex", "1.0.0",
                    "Simulates a printed sheet of paper or cloth in front of a camera, with dense "
@@ -178,4 +173,7 @@ WEFT_LIBRARY(
         "Simulates a flat or curved object, given as a template, in the same way as sources/frex."),
     WEFT_COMPONENT(FrexVolume, "sources/frex_volume", "1.0.0",
                    "Films a solid object, given as a template, that is bent, twisted or pressed "
-                   "without a change of its volume, with exact ground truth on all sides."))
+                   "without a change of its volume, with exact ground truth on all sides."),
+    WEFT_COMPONENT(SampleSource, "sources/frex_samples", "1.0.0",
+                   "Draws independent images of a flat object, each with its own shape, pose, "
+                   "light, background, occluders and blur, for training and testing networks."))

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <utility>
 #include <weft/core/index.hpp>
-#include <weft/core/stop_check.hpp>
 
 #include "common/images/picture_file.hpp"
 #include "common/scene/random_stream.hpp"
@@ -85,9 +84,8 @@ Result<FilmSource::Studio> FilmSource::furnish(const Camera& camera, Subject&& s
                 arm,
                 scene::Sensor(s.blur_px, s.noise_grey),
                 is_grey,
-                subject.pitch_m,
-                make_array<double>(flat_m),
-                make_array<std::int32_t>(subject.truth_faces)};
+                {make_array<double>(flat_m), make_array<std::int32_t>(subject.truth_faces),
+                 subject.pitch_m, s.dense_truth}};
 }
 
 Result<Picture> FilmSource::make_backdrop(const Camera& camera, const scene::MipTexture& print,
@@ -164,32 +162,11 @@ Result<Image> FilmSource::picture(std::int64_t index, const std::optional<Moveme
 }
 
 GroundTruth FilmSource::truth(const FilmState& state, const scene::View& view) const {
-  GroundTruth truth;
-  truth.kind = "frex";
-  truth.template_xy_m = studio_->flat_m;
-  const Points3 points_m = state.vertices_m.topRows(truth.count());
-  truth.points_m = make_array<double>(points_m);
-  truth.faces = studio_->faces;
-  truth.visible = Array<std::uint8_t>({truth.count()});
-  std::copy_n(view.is_visible.begin(), truth.count(), truth.visible.data());
+  GroundTruth truth = truth_of(studio_->truth, state.vertices_m, view);
   if (state.residual_strain) truth.diag.set("edge_strain", *state.residual_strain);
   truth.diag.set("stretch_mean", state.true_strain.mean);
   truth.diag.set("stretch_max", state.true_strain.max);
-  if (settings_.dense_truth) fill_maps(view, truth);
   return truth;
-}
-
-void FilmSource::fill_maps(const scene::View& view, GroundTruth& truth) const {
-  truth.depth_m = view.depth_m;
-  truth.uv_m = view.uv_px;
-  for (std::int64_t y = 0; y < truth.uv_m.rows(); ++y) {
-    ask_to_go_on();
-    float* row = truth.uv_m.row(y);
-    for (std::int64_t x = 0; x < truth.uv_m.dim(1); ++x) {
-      row[2 * x] *= static_cast<float>(studio_->pitch_m.x());
-      row[2 * x + 1] *= static_cast<float>(studio_->pitch_m.y());
-    }
-  }
 }
 
 }  // namespace weft::frex

@@ -11,6 +11,7 @@
 #include "common/scene/sheet_renderer.hpp"
 #include "degradation.hpp"
 #include "film/film.hpp"
+#include "film/view_truth.hpp"
 #include "lamp.hpp"
 #include "settings.hpp"
 
@@ -41,9 +42,7 @@ class FilmSource : public Source {
     std::optional<Arm> arm;
     scene::Sensor sensor;
     bool is_grey;
-    Eigen::RowVector2d pitch_m;  ///< size of a texel
-    Array<double> flat_m;        ///< [T,2] m, template frame, of the truth's points
-    Array<std::int32_t> faces;   ///< [G,3] over them
+    TruthFrame truth;
   };
 
   Result<Studio> furnish(const Camera& camera, Subject&& subject) const;
@@ -56,7 +55,6 @@ class FilmSource : public Source {
   Result<Image> picture(std::int64_t index, const std::optional<Movement>& movement,
                         scene::Picture& light) const;
   GroundTruth truth(const FilmState& state, const scene::View& view) const;
-  void fill_maps(const scene::View& view, GroundTruth& truth) const;
 
   std::optional<Studio> studio_;
 };
