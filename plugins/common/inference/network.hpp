@@ -9,10 +9,16 @@
 
 namespace weft::inference {
 
-/// The output of a network for one image. Channels of `cells`: 0 logit of the mask; 1 and 2
-/// u = x / width_m and v = y / height_m of the template; 3 natural logarithm of the expected error
-/// of (x, y) as a share of width_m; 4 logarithm of the depth in m; 5 logarithm of the expected
-/// error of channel 4. Channels of `vertices`: X/Z, Y/Z and ln Z (Z in m) in the camera frame.
+/// The output of a network for one image.
+///
+/// Channels of `cells`:
+/// - 0: logit of the mask
+/// - 1, 2: u = x / width_m and v = y / height_m of the template
+/// - 3: natural logarithm of the expected error of (x, y) as a share of width_m
+/// - 4: logarithm of the depth in m
+/// - 5: logarithm of the expected error of channel 4
+///
+/// Channels of `vertices`: X/Z, Y/Z and ln Z (Z in m) in the camera frame.
 struct NetworkMaps {
   static constexpr int kCellChannels = 6, kVertexChannels = 3;
   cv::Mat cells;     ///< f32 [6, rows * columns], cells row by row

@@ -30,11 +30,11 @@ struct TrainedTemplate {
 
 /// The contents of a network file NAME.yaml.
 struct NetworkFile {
-  std::string path;       ///< of the yaml
-  std::string onnx_path;  ///< of the ONNX file beside it
+  std::string path;       ///< path of the yaml file
+  std::string onnx_path;  ///< path of the ONNX file beside it
   std::string onnx_hash;  ///< XXH3-64 of the ONNX file's bytes, 16 hexadecimal digits
   std::string input;      ///< name of the network's input
-  Camera camera;          ///< of the network's image, with its size
+  Camera camera;          ///< camera and size of the network's image
   CellGrid cells;
   VertexGrid vertices;
   TrainedTemplate templ;

@@ -9,16 +9,15 @@
 
 namespace weft::inference {
 
-/// What a scan found in an ONNX file.
+/// The contents of an ONNX file.
 struct OnnxContents {
   std::int64_t weights = 0;  ///< number of elements of all tensors
   std::vector<std::string> operators{}, inputs{}, outputs{};
 };
 
-/// Walks the bytes of an ONNX file before a library parses them. It refuses truncated files,
-/// tensors whose size is not that of their data, weights that are not finite, element types other
-/// than float32, int32 and int64, weights in other files, nested graphs and operators that the
-/// networks of Weft do not use. It is safe on any bytes.
+/// Walks the bytes of an ONNX file before a library parses them; safe on any bytes. Fails on
+/// truncated files, nested graphs and operators that the networks of Weft do not use. The weights
+/// must fulfil check_tensor() in onnx_tensor.hpp.
 Result<OnnxContents> scan_onnx(std::string_view bytes);
 
 /// Fails unless the network has this input and these outputs.

@@ -8,9 +8,9 @@
 
 namespace weft::inference {
 
-/// Checks one tensor of an ONNX file of `file_bytes` bytes and returns its number of elements.
-/// Fails if its size is not that of its data, if a weight is not finite, if its element type is
-/// none of float32, int32 and int64, or if its data are in another file.
+/// Checks one tensor of an ONNX file of `file_bytes` bytes and returns its number of elements. Its
+/// size must be that of its data, and its weights must be finite. Element types are float32, int32
+/// and int64. Data in other files are refused.
 Result<std::int64_t> check_tensor(std::string_view bytes, std::size_t file_bytes);
 
 /// An error in the contents of a file; the caller adds the path.

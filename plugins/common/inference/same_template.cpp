@@ -12,7 +12,7 @@ namespace weft::inference {
 namespace {
 
 constexpr double kSameSize = 1e-6;  // relative
-constexpr double kFlat = 1e-6;      // of the diagonal
+constexpr double kFlat = 1e-6;      // share of the diagonal
 constexpr double kStraight_px = 0.01;
 
 Error not_flat(const std::string& how) {

@@ -14,8 +14,8 @@ struct WireField {
   enum class Kind { varint, fixed64, bytes, fixed32 };
   std::uint32_t number = 0;
   Kind kind = Kind::varint;
-  std::uint64_t value = 0;   ///< of a varint or a fixed number
-  std::string_view bytes{};  ///< of a text, a message or a packed list
+  std::uint64_t value = 0;   ///< value of a varint or a fixed number
+  std::string_view bytes{};  ///< contents of a text, a message or a packed list
 };
 
 /// Reads the fields of a message. It never reads beyond the bytes that it is given, and each field

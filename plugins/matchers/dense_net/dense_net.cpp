@@ -81,7 +81,7 @@ class DenseNet final : public Matcher {
                                               std::to_string(least_cells_) + " are needed");
   }
 
-  /// Leaves out the share of cells with the largest expected error; the others keep their order.
+  /// Omits the share of cells with the largest expected error; the others keep their order.
   std::vector<SeenCell> without_worst(const std::vector<SeenCell>& seen) const {
     std::vector<std::size_t> order(seen.size());
     std::iota(order.begin(), order.end(), 0);

@@ -34,7 +34,7 @@ std::string tenths_of_percent(double share) {
 
 /// How well the surface of the vertices fits the cells of the same network.
 struct Agreement {
-  double share = 0.0;        ///< of the seen cells
+  double share = 0.0;        ///< share of the seen cells that agree
   double distance_px = 0.0;  ///< median, frame
 };
 
@@ -130,8 +130,8 @@ class MeshNet final : public Solver {
   }
 
   /// A cell agrees if its point on the surface projects within one cell and two standard deviations
-  /// of its centre. A standard deviation counts up to one cell: else a network that knows nothing
-  /// would agree with itself.
+  /// of its centre. A standard deviation counts up to one cell, because a network without any
+  /// knowledge would else agree with itself.
   Agreement agreement_of(const GridSurface& surface, const Points3& nodes_m,
                          const std::vector<SeenCell>& seen) const {
     const double cell_px = registration_.cell_px().mean();

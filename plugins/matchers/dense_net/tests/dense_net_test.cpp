@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 using testing::PluginAnswer;
 using testing::PluginUnderTest;
 
-constexpr double kErrorShare = 0.004;  // of the width
+constexpr double kErrorShare = 0.004;  // share of the width
 constexpr testing::PoseSpec kPose{.distance_m = 0.6, .tilt_y_rad = 0.3};
 
 /// A network that answers a bent surface, whatever the image shows.
