@@ -11,6 +11,15 @@ namespace {
 
 // Smallest stretch as a share of that of a surface face on: the depth of a network is not exact.
 constexpr double kLeastOfFrontal = 0.5;
+// Fewer seen cells are those of a network that sees things.
+constexpr double kLeastSeen = 0.01;
+// Logarithms of errors and depths are cut here, so that no exponential overflows.
+constexpr double kMostLogarithm = 20.0;
+
+std::string tenths_of_percent(double share) {
+  const long tenths = std::lround(1000.0 * share);
+  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " %";
+}
 
 bool is_same_camera(const Camera& a, const Camera& b) {
   return a.fx == b.fx && a.fy == b.fy && a.cx == b.cx && a.cy == b.cy && a.width_px == b.width_px &&
@@ -135,6 +144,18 @@ Eigen::Array2d Registration::cell_px() const {
   return {step_px / scale[0], step_px / scale[1]};
 }
 
+Result<void> Registration::check_share(const std::vector<SeenCell>& cells) const {
+  if (share_of(cells) >= kLeastSeen) return {};
+  return no_result("the network sees the object in " + tenths_of_percent(share_of(cells)) +
+                   " of the image, " + tenths_of_percent(kLeastSeen) + " are needed");
+}
+
+bool Registration::is_beyond(const SeenCell& cell) const {
+  const Eigen::Array2d inside = cell.uv.max(0.0).min(1.0);
+  const double off_m = ((cell.uv - inside) * sheet_.size_m).matrix().norm();
+  return !(off_m <= cell.error_m);
+}
+
 std::vector<SeenCell> Registration::seen_cells(const NetworkMaps& maps,
                                                double least_probability) const {
   const CellGrid& grid = file().cells;
@@ -150,8 +171,12 @@ std::vector<SeenCell> Registration::seen_cells(const NetworkMaps& maps,
       const auto place = map_->to_frame(grid.step_px * j + centre_px, grid.step_px * i + centre_px);
       if (!camera_.shows(place[0], place[1])) continue;
       SeenCell cell{i, j, {place[0], place[1]}, {channel(1), channel(2)}, probability};
-      cell.error_m = file().uv_error_factor * std::exp(channel(3)) * file().templ.width_m;
-      cell.depth_m = std::exp(channel(4));
+      const auto exponential = [&](int c) {
+        return std::exp(std::clamp(channel(c), -kMostLogarithm, kMostLogarithm));
+      };
+      cell.error_m = file().uv_error_factor * exponential(3) * file().templ.width_m;
+      cell.depth_m = exponential(4);
+      cell.depth_error_m = cell.depth_m * exponential(5);
       cells.push_back(cell);
     }
   }

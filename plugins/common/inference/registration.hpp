@@ -24,6 +24,7 @@ struct SeenCell {
   double probability = 0.0;                    ///< [] of the mask
   double error_m = 0.0;                        ///< expected error of the template point
   double depth_m = 0.0;
+  double depth_error_m = 0.0;     ///< expected error of the depth
   double stretch_m_per_px = 0.0;  ///< template m for each px of the frame; see set_stretch()
 };
 
@@ -44,6 +45,14 @@ class Registration {
   const InputMap& map() const { return *map_; }
   const Camera& camera() const { return camera_; }
   int cell_count() const { return file().cells.columns * file().cells.rows; }
+  double share_of(const std::vector<SeenCell>& cells) const {
+    return static_cast<double>(cells.size()) / cell_count();
+  }
+  /// No result if the cells are less than 1 % of all: so few are those of an image without the
+  /// object.
+  Result<void> check_share(const std::vector<SeenCell>& cells) const;
+  /// True if a cell's point is beyond the template by more than its expected error.
+  bool is_beyond(const SeenCell& cell) const;
   /// Sides of a cell in px of the frame.
   Eigen::Array2d cell_px() const;
 

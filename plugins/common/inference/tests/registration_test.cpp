@@ -63,21 +63,32 @@ TEST_F(RegistrationTest, KnowsPlaceErrorAndStretchOfEachCell) {
 }
 
 TEST_F(RegistrationTest, GivesALoneCellTheMedianStretch) {
-  network.cell(4, 0, 0) = -20.0F;  // so near that the frontal bound does not count
-  for (float& value : network.cells) value = 0.0F;
   for (int i = 0; i < 30; ++i) {
     for (int j = 0; j < 40; ++j) {
       const bool seen = (i < 4 && j < 4) || (i == 20 && j == 20);
       network.cell(0, i, j) = seen ? 9.0F : -9.0F;
       network.cell(1, i, j) = 0.01F * static_cast<float>(j);
       network.cell(2, i, j) = 0.01F * static_cast<float>(i) * 0.297F / 0.178F;
-      network.cell(4, i, j) = -20.0F;
+      network.cell(4, i, j) = -20.0F;  // so near that the frontal bound does not count
     }
   }
   const std::vector<SeenCell> cells = seen();
   ASSERT_EQ(cells.size(), 17U);
   EXPECT_NEAR(cells.back().stretch_m_per_px, 0.00297 / 16.0, 1e-8);
   EXPECT_NEAR(cells.front().stretch_m_per_px, 0.00297 / 16.0, 1e-8);
+}
+
+TEST_F(RegistrationTest, HasFiniteErrorsAndDepthsForAnyLogarithms) {
+  for (int c : {3, 4}) network.cell(c, 0, 0) = 1e30F;
+  for (int c : {3, 4}) network.cell(c, 0, 1) = -1e30F;
+  for (int j : {0, 1}) network.cell(0, 0, j) = 9.0F;
+  const std::vector<SeenCell> cells = seen();
+  ASSERT_EQ(cells.size(), 2U);
+  for (const SeenCell& cell : cells) {
+    EXPECT_TRUE(std::isfinite(cell.error_m) && cell.error_m > 0.0);
+    EXPECT_TRUE(std::isfinite(cell.depth_m) && cell.depth_m > 0.0);
+    EXPECT_TRUE(std::isfinite(cell.stretch_m_per_px) && cell.stretch_m_per_px > 0.0);
+  }
 }
 
 TEST_F(RegistrationTest, NeedsTheTemplateAndTheCameraOfItsTraining) {
