@@ -71,9 +71,9 @@ void warp(benchmark::State& state, const NamedWarp& named) try {
   state.SkipWithError(error.what());
 }
 
-constexpr const char* kFilters[] = {"filters/myneighbor", "filters/aem",     "filters/tran",
-                                    "filters/pizarro",    "filters/famouri", "filters/lpm",
-                                    "filters/vfc",        "filters/adalam",  "filters/gms"};
+constexpr const char* kFilters[] = {
+    "filters/myneighbor", "filters/aem", "filters/tran",   "filters/pizarro", "filters/famouri",
+    "filters/lpm",        "filters/vfc", "filters/adalam", "filters/gms",     "filters/learned"};
 
 constexpr NamedWarp kWarps[] = {{"bbs", "warps/bbs", "{}"},
                                 {"tps_grid", "warps/tps", "{}"},

@@ -72,7 +72,7 @@ TEST(Patience, FiltersAskOnManyMatches) {
                                   input("template", scene.templ), input("camera", scene.camera)};
   for (const char* id :
        {"filters/famouri", "filters/lpm", "filters/gms", "filters/vfc", "filters/adalam",
-        "filters/aem", "filters/pizarro", "filters/myneighbor"}) {
+        "filters/aem", "filters/learned", "filters/pizarro", "filters/myneighbor"}) {
     expect_patience({id, "{}", inputs}, scene);
   }
 }
