@@ -64,9 +64,14 @@ TEST_F(NetworkTest, GivesTheSameForAnyNumberOfThreadsAndLeavesTheirNumber) {
   cv::randu(image, 0.0, 255.0);
   const int before = cv::getNumThreads();
   const auto one = opened->run(image, 1);
+  ASSERT_TRUE(one) << one.error().message;
   const cv::Mat first = one->cells.clone();
-  const auto several = opened->run(image, 4);
+  const auto several = opened->run(image, 64);
+  ASSERT_TRUE(several) << several.error().message;
   EXPECT_EQ(cv::norm(first, several->cells, cv::NORM_INF), 0.0);
+  const auto other = opened->run(cv::Mat::zeros(120, 160, CV_32FC3), 1);
+  ASSERT_TRUE(other) << other.error().message;
+  EXPECT_GT(cv::norm(first, other->cells, cv::NORM_INF), 1.0);
   EXPECT_EQ(cv::norm(first, one->cells, cv::NORM_INF), 0.0) << "a later call changed an answer";
   EXPECT_EQ(cv::getNumThreads(), before);
 }
