@@ -3,8 +3,12 @@
 """Tests of the training of filters/learned: tests.py"""
 from __future__ import annotations
 
+import argparse
+import io
 import tempfile
 import unittest
+import unittest.mock
+from contextlib import redirect_stdout
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +17,7 @@ import torch
 import evaluate
 import export
 import network
+import train
 from batches import Batches, augmented
 from frex_sets import load, store
 from match_sets import TOLERANCE_PX, draw, draw_many
@@ -109,6 +114,41 @@ class TheNetwork(unittest.TestCase):
             self.network.heads[0].bias.data[0] = torch.nan
             with self.assertRaisesRegex(ValueError, "heads.0.bias"):
                 export.write(self.network, Path(folder), {})
+
+
+class Killed(Exception):
+    """Stands for the end of a process."""
+
+
+class KilledOnce:
+    """Batches that end the training at a step."""
+
+    def __init__(self, batches: Batches, killed_at: int):
+        self.batches, self.left = batches, killed_at
+
+    def draw(self, rng: np.random.Generator) -> dict[str, torch.Tensor]:
+        self.left -= 1
+        if self.left < 0:
+            raise Killed
+        return self.batches.draw(rng)
+
+
+class Training(unittest.TestCase):
+    """Checkpoints."""
+
+    def test_a_killed_training_ends_with_the_same_weights(self) -> None:
+        sets = draw_many(20, 16)
+        batches = Batches([(sets, 1.0)], rows=300)
+        with tempfile.TemporaryDirectory() as whole, tempfile.TemporaryDirectory() as parts, \
+                unittest.mock.patch.object(train, "CHECK_STEPS", 4), redirect_stdout(io.StringIO()) as printed:
+            args = lambda folder: argparse.Namespace(work=Path(folder), steps=10, plain=False)
+            expected = train.train(args(whole), batches, {"formula": sets[:3]}).state_dict()
+            with self.assertRaises(Killed):
+                train.train(args(parts), KilledOnce(batches, 7), {"formula": sets[:3]})
+            resumed = train.train(args(parts), batches, {"formula": sets[:3]}).state_dict()
+        self.assertIn("resumed at step 4", printed.getvalue())
+        for name, value in expected.items():
+            self.assertTrue(torch.equal(value, resumed[name]), name)
 
 
 class Augmentation(unittest.TestCase):

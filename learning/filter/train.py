@@ -32,7 +32,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--weft", default=str(here / "build/release/bin/weft"), help="the program")
     parser.add_argument("--work", type=Path, default=Path("runs/learned_filter"), help="data and checkpoints")
     parser.add_argument("--export", type=Path, default=here / "plugins/filters/learned", help="where weights go")
-    parser.add_argument("--steps", type=int, default=9000, help="batches of about 3000 matches")
+    parser.add_argument("--steps", type=int, default=4000, help="batches of about 3000 matches")
     parser.add_argument("--formula-sets", type=int, default=4000, help="training sets by formula")
     parser.add_argument("--scenes", type=int, default=240, help="simulated training scenes of 6 frames")
     parser.add_argument("--test-scenes", type=int, default=36, help="simulated validation scenes")
