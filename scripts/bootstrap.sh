@@ -11,7 +11,7 @@ usage: scripts/bootstrap.sh [--tests] [--docs] [--with-slurm] [--without-contrib
 
   --tests            also what tests need: abidiff, clang with libFuzzer, libc++, clang-format,
                      clang-tidy, codespell, gcovr, chromium, jsonschema, matplotlib, mypy, NumPy,
-                     websockets, xxhash and YAML for Python
+                     OpenCV, PyTorch, websockets, xxhash and YAML for Python
   --docs             also what scripts/docs.sh needs: mkdocs with its theme, MathJax and Doxygen
   --with-slurm       also Slurm and MUNGE, for tests of ablations on a cluster
   --without-contrib  not libopencv-contrib-dev (148 MB, and VTK): templates/frex_sheet,
@@ -27,6 +27,7 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev
   libopencv-core-dev libopencv-imgproc-dev libopencv-features2d-dev libopencv-flann-dev
   libopencv-calib3d-dev libopencv-imgcodecs-dev libopencv-videoio-dev libopencv-video-dev
+  libopencv-dnn-dev
   libeigen3-dev libboost-dev libboost-filesystem-dev libyaml-cpp-dev libcgal-dev
   libembree-dev libceres-dev libhwy-dev libcli11-dev libfmt-dev nlohmann-json3-dev libxxhash-dev libzip-dev libsqlite3-dev
   libjpeg-dev libpng-dev
@@ -42,7 +43,7 @@ for argument in "$@"; do
   case $argument in
     --tests) tests=(abigail-tools clang libclang-rt-dev clang-format clang-tidy codespell gcovr
       chromium libc++-dev libc++abi-dev python3-jsonschema python3-matplotlib python3-mypy
-      python3-numpy python3-websockets python3-xxhash python3-yaml) ;;
+      python3-numpy python3-opencv python3-torch python3-websockets python3-xxhash python3-yaml) ;;
     --docs) docs=(doxygen libjs-mathjax mkdocs mkdocs-material python3-pymdownx) ;;
     --with-slurm) slurm=(slurm-wlm munge) ;;
     --without-contrib) contrib=() ;;

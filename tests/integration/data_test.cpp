@@ -106,5 +106,33 @@ TEST_F(Data, SaysWhatIsWrongAndLeavesNothing) {
   EXPECT_THAT(full.err, HasSubstr("not an empty folder"));
 }
 
+/// For training: 160 x 120 px are both the frame and the small image.
+TEST_F(Data, IsMadeForLearningTwiceWithTheSameBytes) {
+  const auto make_shards = [&](const std::string& out) {
+    return weft({"data", "make", "frex", "--for", "learning", "--out", path(out), "--texture",
+                 WEFT_TEXTURE, "--frames", "6", "--seed", "3", "--set", "sinks.shard_frames=4"});
+  };
+  const Ended first = make_shards("a");
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_THAT(first.out, HasSubstr("6 frames, 0 failed"));
+  ASSERT_EQ(make_shards("b").exit_code, 0);
+  const auto a = contents("a"), b = contents("b");
+  EXPECT_EQ(a.size(), 2U + 2U * 6U) << "descriptions, and six arrays of two shards";
+  EXPECT_EQ(a, b);
+  EXPECT_THAT(a.at("shards.json"), HasSubstr("\"frames\": 6"));
+  write("weft: 1\nextends: a/make.yaml\n", "again.yaml");
+  const Ended again = weft({"run", path("again.yaml"), "--out", path("run"), "--quiet"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(read_text(path("run/000001/uv.npy")), a.at("000001/uv.npy"));
+}
+
+TEST_F(Data, RefusesOptionsOfSequencesForLearning) {
+  const Ended patterned = make("a", {"--for", "learning", "--pattern", "roll"});
+  EXPECT_NE(patterned.exit_code, 0);
+  EXPECT_THAT(patterned.err, HasSubstr("--pattern"));
+  EXPECT_FALSE(fs::exists(path("a")));
+  EXPECT_THAT(make("a", {"--for", "teaching"}).err, HasSubstr("learning"));
+}
+
 }  // namespace
 }  // namespace weft::testing
