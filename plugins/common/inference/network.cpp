@@ -107,7 +107,7 @@ Result<cv::Mat> Network::flattened(const cv::Mat& output, const std::string& nam
                                          " describes 1 x " + std::to_string(channels) + " x " +
                                          expected + ": correct the yaml file"};
   }
-  // A copy, because the network overwrites its outputs in the next call.
+  // A copy: OpenCV does not document that later calls leave earlier outputs as they are.
   const cv::Mat flat = output.reshape(1, channels).clone();
   if (!cv::checkRange(flat)) {
     return Error{Errc::invalid_data, file_.onnx_path + ": the output '" + name +
