@@ -31,7 +31,7 @@ class Shards final : public Sink {
     p.read("width_px", format_.width_px, "px", {8, 4096}, "width of the small images");
     p.read("height_px", format_.height_px, "px", {8, 4096}, "height of the small images");
     p.read("cell_px", format_.cell_px, "px", {2, 64},
-           "side of the cells, for each of which there is a label; even");
+           "side of the cells, each with one label; even");
     p.read("columns", columns_, "", {2, 400}, "nodes of the grid along the width of the template");
     p.read("rows", rows_, "", {2, 400}, "nodes of the grid along its height");
     p.read("shard_frames", shard_frames_, "", {1, 1000000}, "number of frames in a shard");

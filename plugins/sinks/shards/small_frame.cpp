@@ -74,7 +74,7 @@ std::vector<std::uint8_t> small_image(const SampleFormat& format, const Image& i
 
 CellLabels cell_labels(const SampleFormat& format, const GroundTruth& truth,
                        const Eigen::Vector2d& pitch_m, const Eigen::Vector2d& texels) {
-  const auto side = truth.depth_m.dim(1) / format.columns();  // of a cell, in pixels
+  const auto side = truth.depth_m.dim(1) / format.columns();  // side of a cell, in pixels
   CellLabels labels;
   for (std::int64_t i = 0; i < format.rows(); ++i) {
     for (std::int64_t j = 0; j < format.columns(); ++j) {

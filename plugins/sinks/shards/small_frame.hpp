@@ -12,7 +12,7 @@ namespace weft::shards {
 
 /// The images and cells of a sample. A cell is a square of the small image.
 struct SampleFormat {
-  int width_px = 160, height_px = 120;  ///< of the small image
+  int width_px = 160, height_px = 120;  ///< size of the small image
   int cell_px = 4;                      ///< side of a cell
 
   int columns() const { return width_px / cell_px; }
@@ -28,7 +28,7 @@ struct SampleFormat {
 /// The small image [H,W,3], red, green and blue.
 std::vector<std::uint8_t> small_image(const SampleFormat& format, const Image& image);
 
-/// What the camera sees at the cells [R,C], row by row.
+/// Labels of the cells [R,C], row by row.
 struct CellLabels {
   std::vector<std::uint16_t> uv;     ///< [R,C,2] 65534 (x / width, y / height), 65535 for none
   std::vector<std::uint16_t> depth;  ///< [R,C] 0.1 mm, 0 for none

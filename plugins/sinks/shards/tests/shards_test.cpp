@@ -144,7 +144,7 @@ TEST_F(ShardsSink, LabelsTheCentreOfEachCell) {
   ASSERT_EQ(uv.size(), 24U);
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 4; ++j) {
-      // The object fills the image, so that the cell (i, j) is the middle of its own share.
+      // The object fills the image, so that the cell (i, j) shows an equal share of it.
       const auto cell = to_index(4 * i + j);
       EXPECT_NEAR(uv[2 * cell], 65534.0 * (j + 0.5) / 4.0, 1.0);
       EXPECT_NEAR(uv[2 * cell + 1], 65534.0 * (i + 0.5) / 3.0, 1.0);

@@ -8,7 +8,7 @@
 
 namespace weft::frex {
 
-/// What stays the same in the truth of all frames.
+/// The parts of the truth that all frames share.
 struct TruthFrame {
   Array<double> flat_m;        ///< [T,2] m, template frame, of the truth's points
   Array<std::int32_t> faces;   ///< [G,3] over them
@@ -16,7 +16,7 @@ struct TruthFrame {
   bool has_maps = true;        ///< depth and template point of each pixel
 };
 
-/// The truth of a rendered view of the vertices [V,3] m, camera frame, of which the first T are the
+/// The truth of a rendered view of the vertices [V,3] m, camera frame. The first T of them are the
 /// truth's points.
 GroundTruth truth_of(const TruthFrame& frame, const Points3& vertices_m, const scene::View& view);
 

@@ -11,7 +11,7 @@
 
 namespace weft::frex {
 
-/// How light, lens and sensor are drawn.
+/// Ranges of light, lens and sensor.
 struct LookRanges {
   double light = 1.0;            ///< [] size of the changes of light, 1 is usual
   double blur_px = 4.0;          ///< [] px, largest standard deviation of the blur of the lens

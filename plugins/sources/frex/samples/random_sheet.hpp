@@ -8,7 +8,7 @@
 
 namespace weft::frex {
 
-/// How shapes and poses are drawn.
+/// Ranges of shapes and poses.
 struct SheetRanges {
   double nearest = 1.05;   ///< [] least distance; at 1 the width of the surface fills the image
   double farthest = 2.6;   ///< [] largest distance, in the same unit

@@ -18,7 +18,7 @@ constexpr std::uint64_t kSampleStream = 11;
 
 /// Fails unless all vertices lie in a plane.
 Result<void> check_flat(const RestSheet& sheet) {
-  constexpr double kFlat = 1e-6;  // of the largest coordinate
+  constexpr double kFlat = 1e-6;  // as a share of the largest coordinate
   const double deep_m = sheet.rest_m.col(2).maxCoeff() - sheet.rest_m.col(2).minCoeff();
   if (sheet.is_unrolled && deep_m <= kFlat * sheet.rest_m.cwiseAbs().maxCoeff()) return {};
   return Error{Errc::invalid_data,

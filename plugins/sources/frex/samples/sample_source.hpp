@@ -31,7 +31,7 @@ class SampleSource final : public Source {
   Result<SourceFrame> read(std::int64_t index, const Call& call) override;
 
  private:
-  /// What is ready once the source is open.
+  /// Parts that open() makes.
   struct Studio {
     scene::SheetRenderer renderer;
     Pinhole pinhole;

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kTables = 24;  // of which every third is plain
+constexpr std::uint64_t kTables = 24;  // every third is plain
 
 std::string lower_case(std::string text) {
   for (char& letter : text) {

@@ -136,7 +136,7 @@ TEST(FrexSamples, RefuseAnObjectThatIsNotFlat) {
   EXPECT_THAT(source.process(kOpen, {}).message, HasSubstr("not flat at rest"));
 }
 
-/// Points 0.5 mm apart stay so: cylinders and cones keep lengths.
+/// Distances of 0.5 mm stay as they are: cylinders and cones keep lengths.
 TEST(RandomSheets, KeepAllLengths) {
   constexpr double kStep_m = 5e-4;
   Points2 flat_m(3 * 20 * 14, 2);
