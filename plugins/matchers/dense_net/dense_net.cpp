@@ -62,7 +62,7 @@ class DenseNet final : public Matcher {
   Result<Correspondences> answer(const std::vector<SeenCell>& seen, const Template& templ) const {
     std::vector<SeenCell> kept = without_worst(seen);
     const std::size_t certain = kept.size();
-    std::erase_if(kept, [&](const SeenCell& cell) { return is_beyond(cell); });
+    std::erase_if(kept, [&](const SeenCell& cell) { return registration_.is_beyond(cell); });
     const bool is_enough = static_cast<std::int64_t>(kept.size()) >= least_cells_;
     Correspondences matches = collect(is_enough ? kept : std::vector<SeenCell>(), templ);
     const int cells = registration_.cell_count();
@@ -94,13 +94,6 @@ class DenseNet final : public Matcher {
     std::vector<SeenCell> kept;
     for (const std::size_t n : order) kept.push_back(seen[n]);
     return kept;
-  }
-
-  /// True if a cell's point is beyond the template by more than its expected error.
-  bool is_beyond(const SeenCell& cell) const {
-    const Eigen::Array2d inside = cell.uv.max(0.0).min(1.0);
-    const double off_m = ((cell.uv - inside) * registration_.sheet().size_m).matrix().norm();
-    return !(off_m <= cell.error_m);
   }
 
   Correspondences collect(const std::vector<SeenCell>& cells, const Template& templ) const {

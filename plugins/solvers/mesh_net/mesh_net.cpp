@@ -20,17 +20,10 @@ namespace {
 using inference::NetworkMaps;
 using inference::SeenCell;
 
-// Fewer seen cells are those of a network that sees things.
-constexpr double kLeastSeen = 0.01;
 // Share of cells that agree with the surface, below which it may well be wrong.
 constexpr double kSureShare = 0.6;
 // A logarithm of a depth in m beyond this is no depth of an object before a camera.
 constexpr double kMostLogDepth = 7.0;
-
-std::string tenths_of_percent(double share) {
-  const long tenths = std::lround(1000.0 * share);
-  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10) + " %";
-}
 
 /// How well the surface of the vertices fits the cells of the same network.
 struct Agreement {
@@ -44,7 +37,8 @@ class MeshNet final : public Solver {
  public:
   static constexpr About kAbout{
       .reference =
-          "own: Golyanik et al., HDM-Net: monocular non-rigid 3D reconstruction with learned "
+          "reconstruction: Golyanik et al., HDM-Net: monocular non-rigid 3D reconstruction with "
+          "learned "
           "deformation model, EuroVR 2018; Shimada et al., IsMo-GAN: adversarial learning for "
           "monocular non-rigid 3D reconstruction, CVPR Workshops 2019",
       .needs = "image"};
@@ -72,11 +66,7 @@ class MeshNet final : public Solver {
     const auto maps = registration_.run(*in.image, in.call.threads());
     if (!maps) return maps.error();
     const std::vector<SeenCell> seen = registration_.seen_cells(*maps, least_probability_);
-    const double share = static_cast<double>(seen.size()) / registration_.cell_count();
-    if (share < kLeastSeen) {
-      return no_result("the network sees the object in " + tenths_of_percent(share) +
-                       " of the image, " + tenths_of_percent(kLeastSeen) + " are needed");
-    }
+    if (auto enough = registration_.check_share(seen); !enough) return enough.error();
     const std::optional<Points3> nodes_m = nodes_of(*maps);
     if (!nodes_m) return no_result("the surface of the network is not in front of the camera");
     return build_shape(in, *nodes_m, seen);
@@ -116,7 +106,7 @@ class MeshNet final : public Solver {
     shape.source = seen_vertices(vertices_m, seen);
     shape.confidence = agreement.share;
     if (agreement.share < kSureShare) shape.state = static_cast<std::int32_t>(ShapeState::weak);
-    shape.diag.set("visible_share", static_cast<double>(seen.size()) / registration_.cell_count());
+    shape.diag.set("visible_share", registration_.share_of(seen));
     shape.diag.set("heads_agree", agreement.share);
     shape.diag.set("heads_distance_px", agreement.distance_px);
     return shape;
