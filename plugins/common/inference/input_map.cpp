@@ -84,6 +84,19 @@ Result<InputMap> InputMap::create(const Camera& frame, const Camera& network) {
   return map;
 }
 
+InputMap InputMap::fit(cv::Size frame_px, cv::Size network_px) {
+  const double scale = std::min(static_cast<double>(network_px.width) / frame_px.width,
+                                static_cast<double>(network_px.height) / frame_px.height);
+  // Edges of pixels coincide: pixel 0 has its left edge at -0.5 in both images.
+  InputMap map;
+  map.frame_width_px_ = frame_px.width;
+  map.axes_[0] = make_axis(1.0, -0.5, frame_px.width, scale, -0.5, network_px.width);
+  map.axes_[1] = make_axis(1.0, -0.5, frame_px.height, scale, -0.5, network_px.height);
+  map.covered_share_ = covered(map.axes_[0], frame_px.width, network_px.width) *
+                       covered(map.axes_[1], frame_px.height, network_px.height);
+  return map;
+}
+
 cv::Mat InputMap::image(const Array<std::uint8_t>& pixels) const {
   const Axis &along_x = axes_[0], &along_y = axes_[1];
   const int width = static_cast<int>(along_x.first.size());

@@ -22,6 +22,11 @@ class InputMap {
   /// Fails if less than kLeastShare of the network's image is covered by the frame.
   static Result<InputMap> create(const Camera& frame, const Camera& network);
 
+  /// The largest map of the whole frame into the network's image with one scale for both axes. The
+  /// upper left corners coincide; the rest of the network's image is filled. Sizes must be
+  /// positive.
+  static InputMap fit(cv::Size frame_px, cv::Size network_px);
+
   std::array<double, 2> to_network(double x_px, double y_px) const {
     return {axes_[0].scale * x_px + axes_[0].shift, axes_[1].scale * y_px + axes_[1].shift};
   }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "common/inference/engine.hpp"
 #include "common/inference/network_file.hpp"
 
 namespace weft::inference {
@@ -35,10 +35,6 @@ class Network {
   /// Reads and checks both files without running the network, for checks before a run.
   static Result<void> check(const std::string& path);
 
-  Network(Network&&) noexcept;
-  Network& operator=(Network&&) noexcept;
-  ~Network();
-
   const NetworkFile& file() const { return file_; }
 
   /// `rgb` is f32 [height,width,3], 0 to 255. The network runs on OpenCV's pool if `threads` is at
@@ -46,13 +42,12 @@ class Network {
   Result<NetworkMaps> run(const cv::Mat& rgb, int threads);
 
  private:
-  struct Engine;
-  Network(NetworkFile file, std::unique_ptr<Engine> engine);
+  Network(NetworkFile file, Engine engine);
   Result<cv::Mat> flattened(const cv::Mat& output, const std::string& name, int channels, int rows,
                             int columns, bool is_grid) const;
 
   NetworkFile file_;
-  std::unique_ptr<Engine> engine_;
+  Engine engine_;
 };
 
 }  // namespace weft::inference

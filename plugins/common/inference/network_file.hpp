@@ -5,6 +5,8 @@
 #include <weft/core/result.hpp>
 #include <weft/data/camera.hpp>
 
+#include "common/inference/onnx_file.hpp"
+
 /// Networks that were trained for one template: files, checks and the forward pass.
 namespace weft::inference {
 
@@ -29,23 +31,17 @@ struct TrainedTemplate {
 };
 
 /// The contents of a network file NAME.yaml.
-struct NetworkFile {
-  std::string path;       ///< path of the yaml file
-  std::string onnx_path;  ///< path of the ONNX file beside it
-  std::string onnx_hash;  ///< XXH3-64 of the ONNX file's bytes, 16 hexadecimal digits
-  std::string input;      ///< name of the network's input
-  Camera camera;          ///< camera and size of the network's image
+struct NetworkFile : OnnxFile {
+  Camera camera;  ///< camera and size of the network's image
   CellGrid cells;
   VertexGrid vertices;
   TrainedTemplate templ;
   double uv_error_factor = 1.0;  ///< expected error of uv = factor * exp(log error)
+
+  std::vector<std::string> outputs() const { return {cells.output, vertices.output}; }
 };
 
 /// Reads and checks a network file. An error has the place in the file and the correction.
 Result<NetworkFile> read_network_file(const std::string& path);
-
-/// Reads the ONNX file and checks that its hash is that of the network file and that its contents
-/// are safe to hand to OpenCV (see onnx_scan.hpp).
-Result<std::string> read_onnx(const NetworkFile& file);
 
 }  // namespace weft::inference

@@ -2,7 +2,7 @@
 #include "common/inference/onnx_scan.hpp"
 
 #include <algorithm>
-#include <array>
+#include <iterator>
 #include <utility>
 
 #include "common/inference/onnx_tensor.hpp"
@@ -28,14 +28,24 @@ constexpr std::uint32_t kTensor = 5, kGraph = 6, kTensors = 10, kGraphs = 11;
 constexpr std::size_t kMostOperators = 10000;
 constexpr std::size_t kMostInputs = 10000;  // older exporters list the weights as inputs
 
-constexpr std::array<std::string_view, 21> kOperators{
-    "Add",     "AveragePool", "BatchNormalization",
-    "Concat",  "Constant",    "Conv",
-    "Flatten", "Gemm",        "Identity",
-    "MatMul",  "MaxPool",     "Mul",
-    "Pad",     "Relu",        "Reshape",
-    "Resize",  "Sigmoid",     "Slice",
-    "Softmax", "Sub",         "Transpose"};
+constexpr std::string_view kLayers[] = {"AveragePool", "BatchNormalization",
+                                        "Conv",        "ConvTranspose",
+                                        "Gemm",        "InstanceNormalization",
+                                        "MatMul",      "MaxPool",
+                                        "Resize",      "Softmax"};
+constexpr std::string_view kElementwise[] = {
+    "Add",   "Clip", "Div",  "Elu",  "HardSigmoid", "Identity", "LeakyRelu", "Mul",
+    "PRelu", "Pow",  "Relu", "Selu", "Sigmoid",     "Sqrt",     "Sub",       "Tanh"};
+constexpr std::string_view kShapes[] = {
+    "Concat",     "Constant",  "DepthToSpace", "Expand", "Flatten", "Pad",     "ReduceL2",
+    "ReduceMean", "ReduceSum", "Reshape",      "Shape",  "Slice",   "Squeeze", "Transpose"};
+
+bool is_known(std::string_view op) {
+  const auto has = [&](const auto& list) {
+    return std::find(std::begin(list), std::end(list), op) != std::end(list);
+  };
+  return has(kLayers) || has(kElementwise) || has(kShapes);
+}
 
 class Scan {
  public:
@@ -111,7 +121,7 @@ class Scan {
       if (field->number != node_field::kAttribute) continue;
       if (auto read = attribute(field->bytes); !read) return read;
     }
-    if (std::find(kOperators.begin(), kOperators.end(), op) == kOperators.end()) {
+    if (!is_known(op)) {
       return Error{Errc::unsupported, "has the operator " + shown(op) + " (node " + shown(name) +
                                           "), which is not supported: export the network without "
                                           "it"};

@@ -16,8 +16,8 @@ struct OnnxContents {
 };
 
 /// Walks the bytes of an ONNX file before a library parses them; safe on any bytes. Fails on
-/// truncated files, nested graphs and operators that the networks of Weft do not use. The weights
-/// must fulfil check_tensor() in onnx_tensor.hpp.
+/// truncated files, nested graphs and operators that were not tried with OpenCV. The weights must
+/// fulfil check_tensor() in onnx_tensor.hpp.
 Result<OnnxContents> scan_onnx(std::string_view bytes);
 
 /// Fails unless the network has this input and these outputs.

@@ -114,6 +114,29 @@ TEST(InputMap, RepeatsTheBorderBeyondTheFrame) {
   EXPECT_NEAR(image.at<cv::Vec3f>(119, 80)[2], 77.0, 1e-3);
 }
 
+TEST(InputMap, FitsAWholeFrameWithOneScale) {
+  const InputMap wide = InputMap::fit({1280, 720}, {640, 480});
+  EXPECT_NEAR(wide.scale()[0], 0.5, 1e-12);
+  EXPECT_NEAR(wide.scale()[1], 0.5, 1e-12);
+  EXPECT_NEAR(wide.covered_share(), 0.75, 1e-12);
+  // Pixel 0 of the network's image is the mean of the pixels 0 and 1.
+  EXPECT_NEAR(wide.to_frame(0.0, 359.0)[0], 0.5, 1e-9);
+  EXPECT_NEAR(wide.to_frame(0.0, 359.0)[1], 718.5, 1e-9);
+  const InputMap high = InputMap::fit({50, 200}, {640, 480});
+  EXPECT_NEAR(high.scale()[0], 2.4, 1e-12);
+  EXPECT_NEAR(high.to_network(49.5, 199.5)[0], 119.5, 1e-9);
+  EXPECT_NEAR(high.to_network(49.5, 199.5)[1], 479.5, 1e-9);
+  // The rest is filled with the border, and a frame of the network's size stays as it is.
+  Array<std::uint8_t> frame({120, 160}, 40);
+  frame(119, 7) = 200;
+  const cv::Mat same = InputMap::fit({160, 120}, {160, 120}).image(frame);
+  EXPECT_EQ(same.at<cv::Vec3f>(119, 7)[1], 200.0F);
+  EXPECT_EQ(same.at<cv::Vec3f>(118, 7)[1], 40.0F);
+  const cv::Mat filled = InputMap::fit({160, 120}, {160, 160}).image(frame);
+  EXPECT_NEAR(filled.at<cv::Vec3f>(159, 7)[0], 200.0F, 1e-3);
+  EXPECT_NEAR(filled.at<cv::Vec3f>(159, 8)[0], 40.0F, 1e-3);
+}
+
 TEST(InputMap, RefusesAFrameThatShowsTooLittleOfTheField) {
   EXPECT_TRUE(InputMap::create({205.0, 205.0, 79.5, 59.5, 160, 120}, kNet));
   const auto narrow = InputMap::create({410.0, 410.0, 79.5, 59.5, 160, 120}, kNet);

@@ -79,17 +79,17 @@ TEST_F(NetworkFileTest, DescribesOneOnnxFileOnly) {
   const std::string path = network.write(folder);
   const auto file = read_network_file(path);
   ASSERT_TRUE(file);
-  EXPECT_TRUE(read_onnx(*file));
+  EXPECT_TRUE(read_onnx(*file, file->outputs()));
   testing::write_file(folder.file("net.onnx"), network.model().bytes() + " ");
-  const auto other = read_onnx(*file);
+  const auto other = read_onnx(*file, file->outputs());
   ASSERT_FALSE(other);
   EXPECT_THAT(other.error().message, HasSubstr("is not the file that " + path + " describes"));
   std::filesystem::remove(folder.file("net.onnx"));
-  const auto missing = read_onnx(*file);
+  const auto missing = read_onnx(*file, file->outputs());
   ASSERT_FALSE(missing);
   EXPECT_THAT(missing.error().message, HasSubstr("net.onnx: there is no such file"));
   std::filesystem::create_directory(folder.file("net.onnx"));
-  const auto is_folder = read_onnx(*file);
+  const auto is_folder = read_onnx(*file, file->outputs());
   ASSERT_FALSE(is_folder);
   EXPECT_THAT(is_folder.error().message, HasSubstr("is a folder"));
 }
