@@ -85,6 +85,21 @@ TEST_F(DenseNet, MatchesTheCentreOfEachCellToItsPointOfTheTemplate) {
   }
 }
 
+TEST_F(DenseNet, TrustsASetOfCellsLessTheLargerTheExpectedError) {
+  double before = 1.0;
+  for (const double share : {0.001, 0.003, 0.0039, 0.0041, 0.02}) {
+    network.uv_error_factor = share / kErrorShare;
+    PluginUnderTest plugin("matchers/dense_net", params());
+    const PluginAnswer out = run(plugin, grey());
+    ASSERT_EQ(out.status, WEFT_OK) << out.message;
+    const double now = out.get<Correspondences>()->confidence(0);
+    EXPECT_LT(now, before) << share;
+    EXPECT_EQ(now > 0.5, share < 0.004) << share;
+    before = now;
+  }
+  EXPECT_LT(before, 1e-4);
+}
+
 TEST_F(DenseNet, StatesTheErrorInPixelsByTheLocalStretch) {
   network.uv_error_factor = 1.5;
   PluginUnderTest plugin("matchers/dense_net", params(", worst_share: 0"));
