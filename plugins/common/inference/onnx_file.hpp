@@ -15,8 +15,8 @@ struct OnnxFile {
   std::string input{};      ///< name of the network's input
 };
 
-/// Reads the ONNX file and checks that its hash is that of the yaml file, that its contents are
-/// safe to hand to OpenCV (see onnx_scan.hpp), and that it has these outputs.
+/// Reads the ONNX file. Fails unless its hash is that of the yaml file and it has these outputs.
+/// scan_onnx() must find its contents safe to hand to OpenCV.
 Result<std::string> read_onnx(const OnnxFile& file, const std::vector<std::string>& outputs);
 
 }  // namespace weft::inference
