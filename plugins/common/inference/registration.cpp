@@ -150,6 +150,21 @@ Result<void> Registration::check_share(const std::vector<SeenCell>& cells) const
                    " of the image, " + tenths_of_percent(kLeastSeen) + " are needed");
 }
 
+double Registration::confidence(const std::vector<SeenCell>& cells, double excess) const {
+  constexpr double kHalf = 0.0095, kSteepness = 5.0;
+  if (cells.empty()) return 0.0;
+  std::vector<double> errors_m, depths_m;
+  for (const SeenCell& cell : cells) {
+    errors_m.push_back(cell.error_m);
+    depths_m.push_back(cell.depth_m);
+  }
+  // An error of a point by a share of the width is one of the apparent size by about that share.
+  // The slope that this implies grows with the distance in widths.
+  const double width_m = sheet_.size_m.x();
+  const double share = median_in_place(errors_m) / width_m * median_in_place(depths_m) / width_m;
+  return 1.0 / (1.0 + std::pow(excess * share / kHalf, kSteepness));
+}
+
 bool Registration::is_beyond(const SeenCell& cell) const {
   const Eigen::Array2d inside = cell.uv.max(0.0).min(1.0);
   const double off_m = ((cell.uv - inside) * sheet_.size_m).matrix().norm();

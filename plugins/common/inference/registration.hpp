@@ -51,6 +51,10 @@ class Registration {
   /// No result if the cells are less than 1 % of all: so few are those of an image without the
   /// object.
   Result<void> check_share(const std::vector<SeenCell>& cells) const;
+  /// Probability that a shape from these cells is right within 2 % of its diagonal. The errors of
+  /// neighbouring cells are alike, so that their number does not help. `excess` is the factor by
+  /// which the errors of the shape exceed those of a solver that uses the points of the cells.
+  double confidence(const std::vector<SeenCell>& cells, double excess = 1.0) const;
   /// True if a cell's point is beyond the template by more than its expected error.
   bool is_beyond(const SeenCell& cell) const;
   /// Sides of a cell in px of the frame.

@@ -59,14 +59,6 @@ class DenseNet final : public Matcher {
   }
 
  private:
-  /// Probability that a shape from these matches alone is right within 2 % of the diagonal, by the
-  /// expected error as a share of the width. Errors of neighbouring cells are alike, so that their
-  /// number does not help.
-  static double confidence(double error_share) {
-    constexpr double kHalf = 0.004, kSteepness = 8.0;
-    return 1.0 / (1.0 + std::pow(error_share / kHalf, kSteepness));
-  }
-
   Result<Correspondences> answer(const std::vector<SeenCell>& seen, const Template& templ) const {
     std::vector<SeenCell> kept = without_worst(seen);
     const std::size_t certain = kept.size();
@@ -80,9 +72,8 @@ class DenseNet final : public Matcher {
     if (is_enough) {
       std::vector<double> errors_m;
       for (const SeenCell& cell : kept) errors_m.push_back(cell.error_m);
-      const double error_m = median_in_place(errors_m);
-      matches.diag.set("expected_error_mm", 1e3 * error_m);
-      matches.confidence = make_scalar(confidence(error_m / registration_.sheet().size_m.x()));
+      matches.diag.set("expected_error_mm", 1e3 * median_in_place(errors_m));
+      matches.confidence = make_scalar(registration_.confidence(kept));
       return matches;
     }
     return degenerate(std::move(matches), "the network sees the object in " +

@@ -50,7 +50,7 @@ struct DepthNet : ::testing::Test {
         [&](double u, double v) {
           return sheet.at(0.297 * u - 0.5 * templ.m_per_px(0), 0.178 * v - 0.5 * templ.m_per_px(1));
         },
-        0.004, network);
+        0.0008, network);
     network.vertices.assign(to_index(3 * network.node_count()), 5.0F);
   }
   void show_plane() { show(testing::make_bent_sheet({}, {}, kPose)); }
@@ -88,7 +88,7 @@ TEST_F(DepthNet, GivesAPlaneExactly) {
   const auto shape = *out.get<Shape>();
   EXPECT_LT(errors_m(shape).maxCoeff(), 1e-6);
   EXPECT_EQ(shape.shape_state(), ShapeState::estimated);
-  EXPECT_EQ(shape.confidence, 1.0);
+  EXPECT_GT(shape.confidence, 0.98);
   EXPECT_LT(shape.diag.value("mean_strain", 1.0), 1e-5);
   EXPECT_GT(shape.diag.value("measured_share", 0.0), 0.95);
 }
@@ -154,7 +154,7 @@ TEST_F(DepthNet, IgnoresCellsThatAreFarOff) {
   for (int j = 12; j < 28; j += 5) network.cell(kDepth, 13, j) += 0.5F;
   const auto shape = *solve().get<Shape>();
   EXPECT_LT(errors_m(shape).maxCoeff(), 0.0005);
-  EXPECT_GT(shape.confidence, 0.95);
+  EXPECT_GT(shape.confidence, 0.93);
   EXPECT_LT(shape.confidence, 1.0);
 }
 

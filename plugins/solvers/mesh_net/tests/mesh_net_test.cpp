@@ -36,7 +36,7 @@ struct MeshNet : ::testing::Test {
 
   MeshNet() {
     network.texture_hash = inference::texture_hash(templ.texture);
-    show(0.004);
+    show(0.0008);
   }
   void show(double error_share) {
     inference::testing::show(
@@ -70,7 +70,7 @@ TEST_F(MeshNet, GivesTheSurfaceOfItsNodesOnAFinerMesh) {
   ASSERT_EQ(shape.vertices_m.rows(), 25 * 15);
   EXPECT_LT(mean_error_m(shape), 0.00005);
   EXPECT_EQ(shape.shape_state(), ShapeState::estimated);
-  EXPECT_EQ(shape.confidence, 1.0);
+  EXPECT_GT(shape.confidence, 0.98);
   EXPECT_LT(shape.diag.value("heads_distance_px", 99.0), 0.1);
 }
 
