@@ -6,6 +6,8 @@
 #include <utility>
 #include <weft/core/index.hpp>
 
+#include "descriptors.hpp"
+
 namespace weft::onnx {
 namespace {
 
