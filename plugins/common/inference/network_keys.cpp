@@ -24,7 +24,7 @@ std::string short_text(double value) {
 
 /// A name without a folder, because network and description are moved together.
 std::string read_onnx_name(const Keys& root) {
-  const std::string name = root.text("onnx");
+  std::string name = root.text("onnx");
   if (name.find('/') != std::string::npos || name == "." || name == "..") {
     fail_at(root.node("onnx"), "'onnx' must be the name of a file in the same folder, without '/'");
   }
