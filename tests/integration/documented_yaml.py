@@ -33,7 +33,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "hostile"))
 from documentation import QUOTE, pages  # noqa: E402
 from pictures import png  # noqa: E402
 
-NOT_CHECKED = 1
+NOT_CHECKED = 2
 SCAFFOLD = "framework/kit/scaffold/"
 BASE = "pipelines/sparse.yaml"
 FENCE = re.compile(r"^(\s*)```(\S*)")
@@ -75,6 +75,10 @@ STAND_INS = {
     "film.avi": VIDEO,
     "clip.mp4": VIDEO,
     "sheet.yaml": SHEET,
+    "network.yaml": pathlib.Path("pipelines/data/networks/sheet.yaml"),
+    "sheet.onnx": pathlib.Path("pipelines/data/networks/sheet.onnx"),
+    "sheet/sheet.yaml": pathlib.Path("pipelines/data/networks/sheet.yaml"),
+    "sheet/sheet.onnx": pathlib.Path("pipelines/data/networks/sheet.onnx"),
     "grippers.csv": pathlib.Path("pipelines/data/grippers.csv"),
     "insole.png": pathlib.Path("pipelines/data/insole.png"),
     "label.obj": pathlib.Path("pipelines/data/label.obj"),
