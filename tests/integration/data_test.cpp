@@ -110,20 +110,20 @@ TEST_F(Data, SaysWhatIsWrongAndLeavesNothing) {
 TEST_F(Data, IsMadeForLearningTwiceWithTheSameBytes) {
   const auto make_shards = [&](const std::string& out) {
     return weft({"data", "make", "frex", "--for", "learning", "--out", path(out), "--texture",
-                 WEFT_TEXTURE, "--frames", "6", "--seed", "3", "--set", "sinks.shard_frames=4"});
+                 WEFT_TEXTURE, "--frames", "6", "--seed", "3"});
   };
   const Ended first = make_shards("a");
   ASSERT_EQ(first.exit_code, 0) << first.err;
   EXPECT_THAT(first.out, HasSubstr("6 frames, 0 failed"));
   ASSERT_EQ(make_shards("b").exit_code, 0);
   const auto a = contents("a"), b = contents("b");
-  EXPECT_EQ(a.size(), 2U + 2U * 6U) << "descriptions, and six arrays of two shards";
-  EXPECT_EQ(a, b);
+  EXPECT_EQ(a.size(), 2U + 6U) << "two descriptions, and six arrays";
+  EXPECT_TRUE(a == b);
   EXPECT_THAT(a.at("shards.json"), HasSubstr("\"frames\": 6"));
   write("weft: 1\nextends: a/make.yaml\n", "again.yaml");
   const Ended again = weft({"run", path("again.yaml"), "--out", path("run"), "--quiet"});
   ASSERT_EQ(again.exit_code, 0) << again.err;
-  EXPECT_EQ(read_text(path("run/000001/uv.npy")), a.at("000001/uv.npy"));
+  EXPECT_TRUE(read_text(path("run/000000/uv.npy")) == a.at("000000/uv.npy"));
 }
 
 TEST_F(Data, RefusesOptionsOfSequencesForLearning) {

@@ -34,22 +34,27 @@ std::string one_line(std::string text) {
   return text;
 }
 
+/// How the file was made, with the settings that are not in it.
+void add_settings(const FrexOptions& options, const std::string& more, GeneratedText& text) {
+  text.add("# Made by `weft data make frex" + more + "`; `weft run` of this file makes it again" +
+           (options.settings.empty() ? ".\n" : ", with:\n"));
+  for (const std::string& setting : options.settings) {
+    text.add("#   --set " + one_line(setting) + "\n");
+  }
+}
+
 /// The pipeline that simulates the sequence. It is stored in the sequence and documents how that
 /// was made, thus it does not depend on the location.
 GeneratedText simulation_text(const FrexOptions& options) {
   const std::string texture =
       yaml_quoted(std::filesystem::absolute(options.texture).lexically_normal().string());
   GeneratedText text("weft data make frex");
+  add_settings(options, "", text);
   const auto add_sheet = [&] {
     text.add("    texture: " + texture + "\n", "--texture " + options.texture);
     text.add(fmt::format("    width_m: {}\n", options.width_m), "--width-m");
     text.add(fmt::format("    height_m: {}\n", options.height_m), "--height-m");
   };
-  text.add(std::string("# Made by `weft data make frex`; `weft run` of this file makes it again") +
-           (options.settings.empty() ? ".\n" : ", with:\n"));
-  for (const std::string& setting : options.settings) {
-    text.add("#   --set " + one_line(setting) + "\n");
-  }
   text.add("weft: 1\non_error: stop\nsource:\n  use: sources/frex\n  params:\n");
   add_sheet();
   text.add(fmt::format("    frames: {}\n", options.frames), "--frames");
@@ -74,8 +79,8 @@ GeneratedText learning_text(const FrexOptions& options) {
   const std::string size =
       fmt::format("width_m: {}, height_m: {}", options.width_m, options.height_m);
   GeneratedText text("weft data make frex");
+  add_settings(options, " --for learning", text);
   text.add(
-      "# Made by `weft data make frex --for learning`; `weft run` of this file makes it again.\n"
       "weft: 1\non_error: stop\nsequence: false\nsource:\n  use: sources/frex_samples\n"
       "  params:\n    object:\n      use: templates/rectangular\n");
   text.add("      params: {texture: " + texture + ",\n", "--texture " + options.texture);

@@ -11,6 +11,7 @@
 #include <weft/geometry/shape_evidence.hpp>
 #include <weft/sdk/matcher.hpp>
 
+#include "common/view/blur.hpp"
 #include "common/view/coarse_search.hpp"
 #include "common/view/inputs.hpp"
 #include "common/view/picture.hpp"
@@ -51,6 +52,9 @@ class DenseFlow final : public Matcher {
            "number of times that the image is halved first; 1 takes a quarter of the time");
     p.read("search_px", search_px_, "px", {0, 400},
            "maximum displacement of the whole surface from the shape");
+    p.read("max_blur_px", max_blur_px_, "px", {0, 100},
+           "maximum standard deviation of the blur of the image that the rendered texture copies; "
+           "0: none");
     p.read("min_correlation", options_.min_correlation, "", {0, 1},
            "minimum normalised correlation of image and rendered texture of a kept match");
     p.read("max_round_trip_px", options_.max_round_trip_px, "px", {0.01, 100},
@@ -83,6 +87,12 @@ class DenseFlow final : public Matcher {
     }
     image_.load(in.image->pixels);
     const view::CoarseShift shift = search_.find(*view_, image_, search_px_);
+    blur_px_ = 0.0;
+    if (max_blur_px_ > 0.0) {
+      blur_px_ =
+          view::blur_of_image(*view_, image_, std::max(halvings_, 1), shift.by_px(), max_blur_px_);
+      view_->blur(blur_px_);
+    }
     grid_.find(*view_, image_, shift.by_px(), options_, workers_, in.call.threads());
     return answer(in.correspondences, shift.by_px());
   }
@@ -150,6 +160,7 @@ class DenseFlow final : public Matcher {
     matches.diag.set("share", share);
     matches.diag.set("correlation_before", before);
     matches.diag.set("correlation", after);
+    if (max_blur_px_ > 0.0) matches.diag.set("blur_px", blur_px_);
     matches.diag.set("hidden", static_cast<double>(tally.of(Fate::hidden)));
     matches.diag.set("flat", static_cast<double>(tally.of(Fate::flat)));
     matches.diag.set("unlike", static_cast<double>(tally.of(Fate::unlike)));
@@ -270,11 +281,13 @@ class DenseFlow final : public Matcher {
   FlowOptions options_;
   int halvings_ = 0;
   double search_px_ = 16.0;
+  double max_blur_px_ = 0.0;
   double min_share_ = 0.3;
   double max_disagreement_px_ = 3.0;
   double max_unlike_ = 0.095;
   int min_matches_ = 50;
 
+  double blur_px_ = 0.0;  ///< of the current frame
   std::uint64_t loaded_ = 0;
   Points2 flat_px_;
   Faces faces_;

@@ -9,6 +9,8 @@
 #include <weft/data/matrix.hpp>
 #include <weft/geometry/camera_model.hpp>
 
+#include "common/view/blur.hpp"
+
 namespace weft::view {
 namespace {
 
@@ -107,10 +109,19 @@ bool PredictedView::draw(const Camera& camera, const Points3View& vertices_m) {
     is_any_drawn = is_any_drawn | (view.drawn[i] != 0);
   }
   if (!is_any_drawn) return false;
+  halve_from_finest();
+  return true;
+}
+
+void PredictedView::halve_from_finest() {
   for (std::size_t k = to_index(finest_) + 1; k < levels_.size(); ++k) {
     halve_view(levels_[k - 1], levels_[k]);
   }
-  return true;
+}
+
+void PredictedView::blur(double sigma_px) {
+  blur_drawn(sigma_px / static_cast<double>(1 << finest_), levels_[to_index(finest_)]);
+  halve_from_finest();
 }
 
 void PredictedView::project(const Camera& camera, const Points3View& vertices_m) {

@@ -58,6 +58,10 @@ class PredictedView {
   /// False where no texture falls on the image. `vertices_m` [V,3] m, camera frame.
   bool draw(const Camera& camera, const Points3View& vertices_m);
 
+  /// Blurs the rendered pixels of all levels, as a lens out of focus does: with a normal kernel of
+  /// this standard deviation in px of the image. Pixels where nothing is rendered do not count.
+  void blur(double sigma_px);
+
   /// From the finest on.
   const ViewLevel& level(int k) const { return levels_[to_index(k)]; }
 
@@ -101,6 +105,7 @@ class PredictedView {
   void project(const Camera& camera, const Points3View& vertices_m);
   bool open_window(const Camera& camera);
   FaceMap map_of(std::int32_t face, int level, const Eigen::Vector2d& origin_px) const;
+  void halve_from_finest();
   void draw_face(std::int32_t face);
   void draw_row(const FaceMap& map, std::int32_t face, int y, int x_begin, int x_end);
   bool is_object(float u, float v, double scale) const;

@@ -70,6 +70,31 @@ TEST_F(DenseFlow, FindsThousandsOfMatchesToATenthOfAPixelOnASheetThatBentTurnedA
   EXPECT_GT(matches.diag.value("correlation", 0.0), matches.diag.value("correlation_before", 1.0));
 }
 
+TEST_F(DenseFlow, FindsASurfaceThatIsOutOfFocusOnceTheRenderingIsToo) {
+  const DevelopableSheet now =
+      scene_.bent(0.34, {.distance_m = 0.551, .x_m = 0.002, .tilt_y_rad = 0.11});
+  const Image image =
+      view::blurred(scene_.image_of(now, rng_), 6.0, [](double v) { return 0.8 * v + 20.0; });
+  const Shape shape = scene_.shape_of(before_);
+  EXPECT_EQ(find(image, shape, "{halvings: 1}").status, WEFT_NO_RESULT);
+  const PluginAnswer outcome = find(image, shape, "{halvings: 1, max_blur_px: 12}");
+  ASSERT_EQ(outcome.status, WEFT_OK) << outcome.message;
+  const auto matches = *outcome.get<Correspondences>();
+  EXPECT_NEAR(matches.diag.value("blur_px", 0.0), 6.0, 0.8);
+  const std::vector<double> errors = errors_px(outcome, now);
+  EXPECT_GT(errors.size(), 500U);
+  EXPECT_LT(median(errors), 0.5);
+}
+
+TEST_F(DenseFlow, AnswersTheSameBytesOnSharpImagesWhetherOrNotItMayBlur) {
+  const Image image = scene_.image_of(before_, rng_);
+  const Shape shape = scene_.shape_of(before_);
+  const PluginAnswer one = find(image, shape), other = find(image, shape, "{max_blur_px: 12}");
+  const auto sharp = *one.get<Correspondences>(), may_blur = *other.get<Correspondences>();
+  ASSERT_EQ(sharp.count(), may_blur.count());
+  EXPECT_EQ(sharp.image_px.matrix<2>(), may_blur.image_px.matrix<2>());
+}
+
 TEST_F(DenseFlow, FindsMotionsFromAThirdOfAPixelToEightToATenthOfAPixel) {
   const double m_per_px = 0.55 / scene_.camera.fx;
   for (const double motion_px : {0.0, 0.3, 1.0, 3.0, 8.0}) {

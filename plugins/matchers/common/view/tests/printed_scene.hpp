@@ -13,7 +13,24 @@
 #include <weft/testing/plugin_under_test.hpp>
 #include <weft/testing/synthetic.hpp>
 
+#include "common/view/blur.hpp"
+
 namespace weft::view {
+
+/// A grey image out of focus by `sigma_px`, with its grey levels changed by `light`.
+template <class Light>
+Image blurred(Image image, double sigma_px, const Light& light) {
+  ViewLevel level;
+  level.grey.resize(static_cast<int>(image.pixels.dim(1)), static_cast<int>(image.pixels.dim(0)));
+  level.drawn.assign(to_index(image.pixels.size()), 1);
+  std::copy_n(image.pixels.data(), image.pixels.size(), level.grey.values.begin());
+  blur_drawn(sigma_px, level);
+  for (std::int64_t i = 0; i < image.pixels.size(); ++i) {
+    const double value = light(static_cast<double>(level.grey.values[to_index(i)]));
+    image.pixels.data()[i] = static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+  }
+  return image;
+}
 
 /// A textured surface in front of a camera, rendered by formula.
 struct PrintedScene {
