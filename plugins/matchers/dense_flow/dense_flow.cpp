@@ -287,7 +287,7 @@ class DenseFlow final : public Matcher {
   double max_unlike_ = 0.095;
   int min_matches_ = 50;
 
-  double blur_px_ = 0.0;  ///< of the current frame
+  double blur_px_ = 0.0;  ///< blur of the current frame
   std::uint64_t loaded_ = 0;
   Points2 flat_px_;
   Faces faces_;
