@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "samples/occluders.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -49,6 +50,29 @@ cv::Mat random_thing(const scene::View& view, const Eigen::Vector2d& middle_px, 
   return cover;
 }
 
+/// A smooth surface of one colour, as of skin or a sleeve, darker towards one side.
+Picture smooth_filling(int width, int height, Rng& rng) {
+  constexpr double kLeast_grey = 30.0, kMost_grey = 235.0, kTint = 40.0, kMostShade = 0.5;
+  scene::Colour colour = scene::Colour::Zero();
+  const double grey = rng.uniform(kLeast_grey, kMost_grey);
+  for (int k = 0; k < 3; ++k) {
+    colour[k] = static_cast<float>(std::clamp(grey + rng.uniform(-kTint, kTint), 0.0, 255.0));
+  }
+  const double direction_rad = rng.uniform(0.0, 2.0 * M_PI), shade = rng.uniform(0.0, kMostShade);
+  const double along_x = std::cos(direction_rad) * shade / width;
+  const double along_y = std::sin(direction_rad) * shade / height;
+  Picture filling{width, height};
+  filling.pixels.reserve(to_index(width) * to_index(height));
+  for (int y = 0; y < height; ++y) {
+    ask_to_go_on();
+    for (int x = 0; x < width; ++x) {
+      const double light = 1.0 + along_x * (x - 0.5 * width) + along_y * (y - 0.5 * height);
+      filling.pixels.push_back(static_cast<float>(light) * colour);
+    }
+  }
+  return filling;
+}
+
 void paint(const cv::Mat& cover, const Picture& filling, scene::View& view) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   constexpr std::uint8_t kMostly = 128;
@@ -80,7 +104,7 @@ void hide_vertices(const cv::Mat& cover, const Points2& vertices_px, scene::View
 
 }  // namespace
 
-void cover_at_random(int count, const Picture& filling, const Points2& vertices_px, Rng& rng,
+void cover_at_random(int count, const Picture& textured, const Points2& vertices_px, Rng& rng,
                      scene::View& view) {
   const Eigen::RowVector2d extent_px =
       vertices_px.colwise().maxCoeff() - vertices_px.colwise().minCoeff();
@@ -88,7 +112,11 @@ void cover_at_random(int count, const Picture& filling, const Points2& vertices_
     const auto vertex = rng.below(static_cast<std::uint32_t>(vertices_px.rows()));
     const double size_px = extent_px.norm() * rng.uniform(0.06, 0.42);
     const cv::Mat cover = random_thing(view, vertices_px.row(vertex).transpose(), size_px, rng);
-    paint(cover, filling, view);
+    if (rng.below(2) == 0) {
+      paint(cover, textured, view);
+    } else {
+      paint(cover, smooth_filling(view.image.width, view.image.height, rng), view);
+    }
     hide_vertices(cover, vertices_px, view);
   }
 }

@@ -131,8 +131,8 @@ scene::View SampleSource::look(const Points3& vertices_m, bool is_there, Rng& rn
     view.image.pixels[k] += (1.0F - view.coverage.data()[k]) * behind.pixels[k];
   }
   if (things > 0) {
-    const Picture filling = studio_->scenery.draw(rng);
-    cover_at_random(things, filling, project_points(studio_->pinhole, vertices_m), rng, view);
+    const Picture textured = studio_->scenery.draw(rng);
+    cover_at_random(things, textured, project_points(studio_->pinhole, vertices_m), rng, view);
   }
   return view;
 }
