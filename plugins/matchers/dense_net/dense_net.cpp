@@ -9,6 +9,7 @@
 #include <weft/data/matrix.hpp>
 #include <weft/sdk/matcher.hpp>
 
+#include "common/inference/network_choice.hpp"
 #include "common/inference/registration.hpp"
 
 namespace weft::dense_net {
@@ -27,11 +28,7 @@ class DenseNet final : public Matcher {
       .needs = "image template camera"};
 
   explicit DenseNet(Params& p) {
-    p.input_path("network", network_path_,
-                 "network file NAME.yaml of the template; the ONNX file is in the same folder",
-                 Need::required);
-    p.read("mask", least_probability_, "", {0.0, 1.0},
-           "minimum probability that a cell shows the object");
+    choice_.read(p);
     p.read("worst_share", worst_share_, "", {0.0, 0.95},
            "share of the cells with the largest expected error that is omitted");
     p.read("sigma_px", least_sigma_px_, "px", {0.01, 100.0},
@@ -40,21 +37,19 @@ class DenseNet final : public Matcher {
            "minimum number of matches; with fewer the result is empty and degenerate");
   }
 
-  void check(Mistakes& mistakes) const {
-    mistakes.expect("network", inference::Network::check(network_path_));
-  }
+  void check(Mistakes& mistakes) const { choice_.check(mistakes); }
 
   Result<void> prepare(const PrepareInput& in) override {
-    return registration_.prepare(network_path_, in.templ, in.camera);
+    return registration_.prepare(choice_.path, in.templ, in.camera);
   }
 
   Result<Correspondences> match(const MatcherInput& in) override {
     if (!in.image || !in.templ || !in.camera) return no_result("there is no image");
-    auto ready = registration_.prepare(network_path_, *in.templ, *in.camera);
+    auto ready = registration_.prepare(choice_.path, *in.templ, *in.camera);
     if (!ready) return ready.error();
     const auto maps = registration_.run(*in.image, in.call.threads());
     if (!maps) return maps.error();
-    const std::vector<SeenCell> seen = registration_.seen_cells(*maps, least_probability_);
+    const std::vector<SeenCell> seen = registration_.seen_cells(*maps, choice_.least_probability);
     return answer(seen, *in.templ);
   }
 
@@ -125,8 +120,7 @@ class DenseNet final : public Matcher {
     return out;
   }
 
-  std::string network_path_;
-  double least_probability_ = 0.6;
+  inference::NetworkChoice choice_;
   double worst_share_ = 0.2;
   double least_sigma_px_ = 1.5;
   int least_cells_ = 20;

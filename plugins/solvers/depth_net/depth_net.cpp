@@ -12,6 +12,7 @@
 #include <weft/sdk/solver.hpp>
 
 #include "cell_points.hpp"
+#include "common/inference/network_choice.hpp"
 #include "common/inference/registration.hpp"
 #include "common/seen/image_line.hpp"
 #include "local_surface.hpp"
@@ -41,17 +42,13 @@ class DepthNet final : public Solver {
   static constexpr About kAbout{
       .reference =
           "reconstruction: Fuentes-Jimenez et al., Deep Shape-from-Template: single-image "
-          "quasi-isometric "
-          "deformable registration and reconstruction, Image and Vision Computing 127 (2022); "
+          "quasi-isometric deformable registration and reconstruction, Image and Vision Computing "
+          "127 (2022); "
           "Sorkine and Alexa, As-rigid-as-possible surface modeling, SGP 2007",
       .needs = "image"};
 
   explicit DepthNet(Params& p) {
-    p.input_path("network", network_path_,
-                 "network file NAME.yaml of the template; the ONNX file is in the same folder",
-                 Need::required);
-    p.read("mask", least_probability_, "", {0.0, 1.0},
-           "minimum probability that a cell shows the object");
+    choice_.read(p);
     p.read("rigidity_m", rigidity_m_, "m", {1e-6, 1.0},
            "standard deviation of the change of a length of one cell on the template; smaller "
            "values give a more rigid surface");
@@ -59,9 +56,7 @@ class DepthNet final : public Solver {
            "number of iterations of the rigid completion");
   }
 
-  void check(Mistakes& mistakes) const {
-    mistakes.expect("network", inference::Network::check(network_path_));
-  }
+  void check(Mistakes& mistakes) const { choice_.check(mistakes); }
 
   Result<void> prepare(const PrepareInput& in) override {
     return prepare_sheet(in.templ, in.camera);
@@ -72,7 +67,7 @@ class DepthNet final : public Solver {
     if (auto ready = prepare_sheet(in.templ, in.camera); !ready) return ready.error();
     const auto maps = registration_.run(*in.image, in.call.threads());
     if (!maps) return maps.error();
-    const auto seen = registration_.seen_cells(*maps, least_probability_);
+    const auto seen = registration_.seen_cells(*maps, choice_.least_probability);
     if (auto enough = registration_.check_share(seen); !enough) return enough.error();
     const LocalSurface surface(cell_points(registration_, seen), placement_radius_m());
     if (auto enough = check_cells(surface.cells()); !enough) return enough.error();
@@ -86,7 +81,7 @@ class DepthNet final : public Solver {
 
  private:
   Result<void> prepare_sheet(const Template& templ, const Camera& camera) {
-    if (auto ready = registration_.prepare(network_path_, templ, camera); !ready) return ready;
+    if (auto ready = registration_.prepare(choice_.path, templ, camera); !ready) return ready;
     if (sheet_ && templ.revision != 0 && templ.revision == sheet_revision_) return {};
     sheet_.reset();
     auto made = RestSheet::create(templ, registration_.sheet());
@@ -186,8 +181,7 @@ class DepthNet final : public Solver {
     shape.diag.set("mean_strain", strain);
   }
 
-  std::string network_path_;
-  double least_probability_ = 0.6;
+  inference::NetworkChoice choice_;
   double rigidity_m_ = 0.0005;
   int iterations_ = 20;
   inference::Registration registration_;

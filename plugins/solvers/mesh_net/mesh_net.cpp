@@ -11,6 +11,7 @@
 #include <weft/data/matrix.hpp>
 #include <weft/sdk/solver.hpp>
 
+#include "common/inference/network_choice.hpp"
 #include "common/inference/registration.hpp"
 #include "grid_surface.hpp"
 
@@ -40,34 +41,26 @@ class MeshNet final : public Solver {
   static constexpr About kAbout{
       .reference =
           "reconstruction: Golyanik et al., HDM-Net: monocular non-rigid 3D reconstruction with "
-          "learned "
-          "deformation model, EuroVR 2018; Shimada et al., IsMo-GAN: adversarial learning for "
+          "learned deformation model, EuroVR 2018; Shimada et al., IsMo-GAN: adversarial learning "
+          "for "
           "monocular non-rigid 3D reconstruction, CVPR Workshops 2019",
       .needs = "image"};
 
-  explicit MeshNet(Params& p) {
-    p.input_path("network", network_path_,
-                 "network file NAME.yaml of the template; the ONNX file is in the same folder",
-                 Need::required);
-    p.read("mask", least_probability_, "", {0.0, 1.0},
-           "minimum probability that a cell shows the object");
-  }
+  explicit MeshNet(Params& p) { choice_.read(p); }
 
-  void check(Mistakes& mistakes) const {
-    mistakes.expect("network", inference::Network::check(network_path_));
-  }
+  void check(Mistakes& mistakes) const { choice_.check(mistakes); }
 
   Result<void> prepare(const PrepareInput& in) override {
-    return registration_.prepare(network_path_, in.templ, in.camera);
+    return registration_.prepare(choice_.path, in.templ, in.camera);
   }
 
   Result<Shape> solve(const SolverInput& in) override {
     if (!in.image) return Error{Errc::invalid_data, "needs 'image'"};
-    auto ready = registration_.prepare(network_path_, in.templ, in.camera);
+    auto ready = registration_.prepare(choice_.path, in.templ, in.camera);
     if (!ready) return ready.error();
     const auto maps = registration_.run(*in.image, in.call.threads());
     if (!maps) return maps.error();
-    const std::vector<SeenCell> seen = registration_.seen_cells(*maps, least_probability_);
+    const std::vector<SeenCell> seen = registration_.seen_cells(*maps, choice_.least_probability);
     if (auto enough = registration_.check_share(seen); !enough) return enough.error();
     const std::optional<Points3> nodes_m = nodes_of(*maps);
     if (!nodes_m) return no_result("the surface of the network is not in front of the camera");
@@ -161,8 +154,7 @@ class MeshNet final : public Solver {
     return source;
   }
 
-  std::string network_path_;
-  double least_probability_ = 0.6;
+  inference::NetworkChoice choice_;
   inference::Registration registration_;
 };
 
