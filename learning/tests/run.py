@@ -7,7 +7,7 @@ import sys
 import unittest
 from pathlib import Path
 
-# One thread, so that the tests disturb nobody and sums are the same everywhere. Libraries read it when they load.
+# With one thread, sums are the same on all machines. Libraries read these variables when they load.
 os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
