@@ -27,7 +27,7 @@ packages=(
   libgtest-dev libgmock-dev libbenchmark-dev
   libopencv-core-dev libopencv-imgproc-dev libopencv-features2d-dev libopencv-flann-dev
   libopencv-calib3d-dev libopencv-imgcodecs-dev libopencv-videoio-dev libopencv-video-dev
-  libopencv-dnn-dev
+  libopencv-dnn-dev libavformat-dev
   libeigen3-dev libboost-dev libboost-filesystem-dev libyaml-cpp-dev libcgal-dev
   libembree-dev libceres-dev libhwy-dev libcli11-dev libfmt-dev nlohmann-json3-dev libxxhash-dev libzip-dev libsqlite3-dev
   libjpeg-dev libpng-dev

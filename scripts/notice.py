@@ -39,6 +39,7 @@ LIBRARIES = (
     Library("CLI11", "BSD-3-Clause", r"CLI/"),
     Library("Eigen 3.4", "MPL-2.0", r"eigen3/"),
     Library("Embree 3", "Apache-2.0", r"embree3/", r"libembree3"),
+    Library("FFmpeg 5.1", "LGPL-2.1-or-later", r"libav(codec|format|util)/", r"libav(codec|format|util)"),
     Library("fmt", "MIT", r"fmt/", r"libfmt"),
     Library("gflags, glog", "BSD-3-Clause", r"gflags/|glog/"),
     Library("GMP", "LGPL-3.0-or-later", r"gmp(xx)?\.h", r"libgmp"),
@@ -75,8 +76,9 @@ Licences of the components
 AFTER = """
 Debian builds OpenCV with libraries under the GPL: a process that loads its module imgcodecs loads
 Poppler and x265 (by GDAL), one that loads videoio also x264 and Xvid (by FFmpeg). Weft calls none of
-them itself; an OpenCV that is built without GDAL and FFmpeg loads none. Whoever passes on binaries
-together with such packages has to keep to their licences.
+them itself, except that sinks/overlay selects x264 for an .mp4 where FFmpeg has it. An OpenCV that is
+built without GDAL and an FFmpeg that is built without x264 and Xvid load none. Whoever passes on
+binaries together with such packages has to keep to their licences.
 Debian builds Ceres with SuiteSparse, parts of which (of CHOLMOD, SPQR) are under the GPL: a process
 that loads solvers/brunet_refine loads them. Weft asks Ceres for Eigen's solver instead; a Ceres that
 is built without SuiteSparse loads none. The same holds for whoever passes these on.

@@ -110,22 +110,42 @@ TEST_F(LostOutput, OfAFileThatGrowsTooLargeIsNamedWithItsReason) {
   EXPECT_EQ(ended.err, "error: sinks/overlay: the video " + path("run/overlay.avi") +
                            " cannot be written (it is beyond the file size limit, see ulimit -f): "
                            "choose another 'path', or make it writable and free space\n");
-  // Those that were written can be read, and the others are errors of their frames.
+  // Those that were written can be read, and there is an error for each of the others, at a frame
+  // that is at most three later.
   const int readable = frames_in(path("run/overlay.avi"));
   EXPECT_GT(readable, 1);
   const std::vector<std::string> lines = read_lines(path("run/frames.jsonl"));
   ASSERT_EQ(lines.size(), 40U);
   int written = 0;
   for (const std::string& line : lines) written += line.find("\"failed\":false") != line.npos;
-  EXPECT_EQ(readable, written);
+  EXPECT_LE(readable, written);
+  EXPECT_GE(readable, written - 3);
 }
 
-TEST_F(LostOutput, OfFfmpegIsFoundWhenTheVideoIsReadAgain) {
-  const std::string file = write(overlay(40, "path: overlay.mkv"));
-  const Ended ended = limited(24, {"run", file, "--out", "run", "--quiet", "--isolate", "none"});
-  EXPECT_EQ(ended.exit_code, 3) << ended.out << ended.err;
-  EXPECT_THAT(ended.err, HasSubstr("error: sinks/overlay: the video " + path("run/overlay.mkv")));
-  EXPECT_THAT(ended.err, HasSubstr(" of 40 frames: is the disk full?\n"));
+TEST_F(LostOutput, OfAVideoByFfmpegIsNamedWithItsReason) {
+  for (const std::string name : {"overlay.mkv", "overlay.mp4"}) {
+    const std::string file = write(overlay(120, "path: " + name));
+    const Ended ended =
+        limited(24, {"run", file, "--out", name + "_run", "--quiet", "--isolate", "none"});
+    EXPECT_EQ(ended.exit_code, 3) << ended.out << ended.err;
+    EXPECT_EQ(ended.err, "error: sinks/overlay: the video " + path(name + "_run/" + name) +
+                             " cannot be written (it is beyond the file size limit, see ulimit "
+                             "-f): choose another 'path', or make it writable and free space\n");
+    EXPECT_GT(frames_in(path(name + "_run/" + name)), 1);
+  }
+}
+
+TEST_F(LostOutput, OfAKilledRunLacksThreeFramesAtMost) {
+  for (const std::string name : {"overlay.avi", "overlay.mkv", "overlay.mp4"}) {
+    const std::string file = write(overlay(100'000, "path: " + name)),
+                      video = name + "_run/" + name;
+    weft("\"$0\" \"$@\" & while [ $(stat -c %s " + video +
+             " 2>/dev/null || echo 0) -lt 60000 ]; do sleep 0.01; done; kill -9 $!; wait $!",
+         {"run", file, "--out", name + "_run", "--quiet", "--isolate", "none"});
+    const int readable = frames_in(path(video));
+    EXPECT_GT(readable, 5) << name;
+    EXPECT_GE(readable + 3, static_cast<int>(read_lines(path(name + "_run/frames.jsonl")).size()));
+  }
 }
 
 TEST_F(LostOutput, OfTheMemoryOfWorkersNamesTheLimit) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
 #include <weft/core/index.hpp>
 #include <weft/core/stop_check.hpp>
@@ -23,38 +24,44 @@ bool drawable(const cv::Point2d& p) {
   return std::abs(p.x) < kFarAway_px && std::abs(p.y) < kFarAway_px;  // false for NaN
 }
 
-struct Segment {
-  cv::Point2d from, to;
-};
-
 /// Appends the dashes of a segment: one at either end, and gaps as long as they are. They are thin,
 /// as their round ends eat into the gaps.
-void add_dashes(const Segment& segment, std::vector<Segment>& dashes) {
+void add_dashes(const cv::Point2d& from, const cv::Point2d& to, std::vector<cv::Point2d>& dashes) {
   constexpr double kMost = 1000.0;  // largest number of pieces, for segments that leave the image
-  const cv::Point2d way = segment.to - segment.from;
+  const cv::Point2d way = to - from;
   const double wanted = std::clamp(std::hypot(way.x, way.y) / kDash_px, 1.0, kMost);
   const int pieces = 2 * static_cast<int>(0.5 * wanted) + 1;
   for (int piece = 0; piece < pieces; piece += 2) {
-    dashes.push_back({segment.from + way * (static_cast<double>(piece) / pieces),
-                      segment.from + way * (static_cast<double>(piece + 1) / pieces)});
+    dashes.push_back(from + way * (static_cast<double>(piece) / pieces));
+    dashes.push_back(from + way * (static_cast<double>(piece + 1) / pieces));
   }
 }
 
-/// Lays `draw(layer)` over the canvas.
+/// Calls `draw(layer, origin)` with a copy of the part of the canvas that is less than `margin_px`
+/// from a point, and lays it over the canvas.
 template <class Draw>
-void blend(cv::Mat& canvas, double opacity, Draw&& draw) {
-  cv::Mat layer = canvas.clone();
-  draw(layer);
-  cv::addWeighted(layer, opacity, canvas, 1.0 - opacity, 0.0, canvas);
+void blend(cv::Mat& canvas, std::span<const cv::Point2d> points, int margin_px, double opacity,
+           Draw&& draw) {
+  cv::Rect box;
+  const cv::Point margin(margin_px, margin_px);
+  for (const cv::Point2d& point : points) {
+    const cv::Point at(cvFloor(point.x), cvFloor(point.y));
+    box |= cv::Rect(at - margin, at + margin);
+  }
+  box &= cv::Rect({}, canvas.size());
+  if (box.empty()) return;
+  cv::Mat below = canvas(box), layer = below.clone();
+  draw(layer, cv::Point2d(box.tl()));
+  cv::addWeighted(layer, opacity, below, 1.0 - opacity, 0.0, below);
 }
 
-void draw_segments(cv::Mat& canvas, const std::vector<Segment>& segments, const cv::Scalar& colour,
+/// `ends` has two points for each segment.
+void draw_segments(cv::Mat& canvas, const std::vector<cv::Point2d>& ends, const cv::Scalar& colour,
                    double opacity, int width_px) {
-  if (segments.empty()) return;
-  blend(canvas, opacity, [&](cv::Mat& layer) {
-    for (const Segment& segment : segments) {
-      cv::line(layer, fixed_point(segment.from), fixed_point(segment.to), colour, width_px,
-               cv::LINE_AA, kShift);
+  blend(canvas, ends, width_px + 3, opacity, [&](cv::Mat& layer, const cv::Point2d& origin) {
+    for (std::size_t k = 0; k < ends.size(); k += 2) {
+      cv::line(layer, fixed_point(ends[k] - origin), fixed_point(ends[k + 1] - origin), colour,
+               width_px, cv::LINE_AA, kShift);
     }
   });
 }
@@ -108,7 +115,7 @@ std::vector<std::uint8_t> drawn_edges(const Points3View& rest_m, const MeshTopol
 void draw_mesh(cv::Mat& canvas, const Points2View& vertices_px, const FacesView& faces,
                const MeshTopology& topology, const std::vector<std::uint8_t>& drawn,
                std::span<const std::uint8_t> visible, const MeshStyle& style) {
-  std::vector<Segment> inner, border, unseen;
+  std::vector<cv::Point2d> inner, border, unseen;
   const auto is_unseen = [&](Eigen::Index e) {
     if (!visible.empty()) {
       return visible[to_index(topology.edges(e, 0))] == 0 &&
@@ -124,19 +131,20 @@ void draw_mesh(cv::Mat& canvas, const Points2View& vertices_px, const FacesView&
       const auto row = vertices_px.row(topology.edges(e, end));
       return cv::Point2d(row.x(), row.y());
     };
-    const Segment segment{point(0), point(1)};
+    const cv::Point2d from = point(0), to = point(1);
     if (drawn[to_index(e)] == 0) continue;
-    if (!drawable(segment.from) || !drawable(segment.to)) continue;
+    if (!drawable(from) || !drawable(to)) continue;
     if (is_unseen(e)) {
-      add_dashes(segment, unseen);
+      add_dashes(from, to, unseen);
     } else {
-      (topology.edge_faces(e, 1) < 0 ? border : inner).push_back(segment);
+      auto& ends = topology.edge_faces(e, 1) < 0 ? border : inner;
+      ends.insert(ends.end(), {from, to});
     }
   }
   const int width_px = style.line_width_px;
-  const auto draw = [&](const std::vector<Segment>& segments, const cv::Scalar& colour,
+  const auto draw = [&](const std::vector<cv::Point2d>& ends, const cv::Scalar& colour,
                         double opacity, int more_px) {
-    draw_segments(canvas, segments, colour, style.opacity * opacity, width_px + more_px);
+    draw_segments(canvas, ends, colour, style.opacity * opacity, width_px + more_px);
   };
   draw(unseen, style.colour, kUnseenOpacity, 0);
   draw(inner, style.colour, kInnerOpacity, 0);
@@ -148,14 +156,15 @@ void draw_points(cv::Mat& canvas, const std::vector<cv::Point2d>& points_px) {
   constexpr double kOpacity = 0.6, kRadius_px = 1.1;
   constexpr int kCorners = 12;  // cv::circle draws circles as small as these as diamonds
   const cv::Scalar colour(255, 196, 64);
-  blend(canvas, kOpacity, [&](cv::Mat& layer) {
+  std::vector<cv::Point2d> points;
+  std::copy_if(points_px.begin(), points_px.end(), std::back_inserter(points), drawable);
+  blend(canvas, points, 4, kOpacity, [&](cv::Mat& layer, const cv::Point2d& origin) {
     std::array<cv::Point, kCorners> corners;
-    for (const cv::Point2d& point : points_px) {
-      if (!drawable(point)) continue;
+    for (const cv::Point2d& point : points) {
       for (int k = 0; k < kCorners; ++k) {
         const double angle_rad = k * 2.0 * CV_PI / kCorners;
-        corners[to_index(k)] =
-            fixed_point(point + kRadius_px * cv::Point2d(std::cos(angle_rad), std::sin(angle_rad)));
+        corners[to_index(k)] = fixed_point(
+            point - origin + kRadius_px * cv::Point2d(std::cos(angle_rad), std::sin(angle_rad)));
       }
       cv::fillConvexPoly(layer, corners.data(), kCorners, colour, cv::LINE_AA, kShift);
     }

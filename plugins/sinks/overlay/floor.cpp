@@ -21,15 +21,16 @@ bool is_near(const cv::Point2d& p, const cv::Mat& canvas) {  // false for NaN
 }
 
 /// Moves each pixel towards `colour` by mask / 255 * opacity.
-void lay(cv::Mat& canvas, const cv::Mat1b& mask, const cv::Scalar& colour, double opacity) {
+void lay(cv::Mat canvas, const cv::Mat1b& mask, const cv::Scalar& colour, double opacity) {
   for (int y = 0; y < canvas.rows; ++y) {
-    worked(3 * canvas.cols);
+    const std::uint8_t* const covered = mask[y];
+    auto* const pixels = canvas.ptr<cv::Vec3b>(y);
     for (int x = 0; x < canvas.cols; ++x) {
-      const double share = mask(y, x) * opacity / 255.0;
-      if (share == 0.0) continue;
-      auto& pixel = canvas.at<cv::Vec3b>(y, x);
+      if (covered[x] == 0) continue;
+      const double share = covered[x] * opacity / 255.0;
       for (int k = 0; k < 3; ++k) {
-        pixel[k] = cv::saturate_cast<std::uint8_t>(pixel[k] + share * (colour[k] - pixel[k]));
+        std::uint8_t& value = pixels[x][k];
+        value = cv::saturate_cast<std::uint8_t>(value + share * (colour[k] - value));
       }
     }
   }
@@ -97,6 +98,8 @@ void draw_floor(cv::Mat& canvas, const Orbit& orbit, double floor_m, double radi
 void draw_shadow(cv::Mat& canvas, const Orbit& orbit, double floor_m, const Points3View& vertices_m,
                  const FacesView& faces) {
   cv::Mat1b mask(canvas.size(), 0);
+  const cv::Rect whole({}, canvas.size());
+  cv::Rect covered;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
     worked_in_loop(f, 30);
     std::array<cv::Point, 3> corners;
@@ -109,11 +112,22 @@ void draw_shadow(cv::Mat& canvas, const Orbit& orbit, double floor_m, const Poin
       drawable = drawable && moved_m.z() > 0.1 * orbit.distance_m() && is_near(at_px, canvas);
       if (drawable) corners[k] = fixed_point(at_px);
     }
-    if (drawable) cv::fillConvexPoly(mask, corners.data(), 3, {255}, cv::LINE_8, kShift);
+    if (!drawable) continue;
+    cv::fillConvexPoly(mask, corners.data(), 3, {255}, cv::LINE_8, kShift);
+    for (const cv::Point& corner : corners) {
+      covered |= cv::Rect(corner.x >> kShift, corner.y >> kShift, 2, 2);
+    }
   }
   const double blur_px = 0.012 * canvas.rows;
-  cv::GaussianBlur(mask, mask, {}, blur_px);
-  lay(canvas, mask, kInk, 0.28);
+  const int reach_px = cvCeil(3.0 * blur_px) + 1;
+  covered = cv::Rect(covered.tl() - cv::Point(reach_px, reach_px),
+                     covered.br() + cv::Point(reach_px, reach_px)) &
+            whole;
+  if (covered.empty()) return;
+  cv::Mat1b blurred;
+  cv::GaussianBlur(mask(covered), blurred, {}, blur_px, blur_px,
+                   cv::BORDER_REFLECT_101 | cv::BORDER_ISOLATED);
+  lay(canvas(covered), blurred, kInk, 0.28);
 }
 
 }  // namespace weft::overlay

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>
+#include <deque>
+#include <exception>
 #include <filesystem>
+#include <memory>
+#include <mutex>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <weft/core/index.hpp>
@@ -12,6 +16,7 @@
 
 #include "caption.hpp"
 #include "drawing.hpp"
+#include "job_thread.hpp"
 #include "side_view.hpp"
 #include "video_file.hpp"
 
@@ -23,15 +28,31 @@ namespace fs = std::filesystem;
 enum class View { side, image };
 enum class Format { png, jpg };
 
+/// The content of the image of a frame, copied from the inputs.
+struct Scene {
+  std::uint64_t frame = 0;
+  cv::Mat canvas;  ///< the camera's image in the upper left
+  Caption caption;
+  std::vector<cv::Point2d> matches_px;
+  bool has_shape = false;             ///< if not, the rest is not set
+  Points3 vertices_m;                 ///< [V,3]
+  Points2 vertices_px;                ///< [V,2]
+  std::vector<std::uint8_t> visible;  ///< [V], empty where unknown
+  std::vector<double> measured;       ///< [V]
+  double confidence = 0.0;
+  MeshStyle style;
+};
+
 /// A video of the frames with the estimated mesh over them, the mesh from the side beside them, and
-/// a description in words below.
+/// a description in words below. A thread renders and writes the images, so that a frame does not
+/// wait for them.
 class Overlay final : public Sink {
  public:
   static constexpr About kAbout{.needs = "image camera template",
                                 .reads = "shape visibility correspondences time"};
 
   explicit Overlay(Params& p) {
-    p.output_path("path", path_, "path of the video file, .avi or .mkv");
+    p.output_path("path", path_, "path of the video file, .avi, .mkv or .mp4");
     p.read("fps", fps_, "1/s", {0.1, 1000.0}, "frame rate of the video");
     p.read("stills_every", stills_every_, "frames", {0, 1'000'000},
            "interval at which frames are also written as image files; 0: none");
@@ -56,6 +77,7 @@ class Overlay final : public Sink {
     auto topology = build_topology(in.templ.faces.matrix<3>(), in.templ.vertices_m.rows());
     if (!topology) return topology.error();
     topology_ = *std::move(topology);
+    faces_ = in.templ.faces.matrix<3>();
     frame_size_ = {static_cast<int>(in.camera.width_px), static_cast<int>(in.camera.height_px)};
     drawn_ = drawn_edges(in.templ.vertices_m.matrix<3>(), topology_);
     canvas_size_ = {frame_size_.width, frame_size_.height + caption_height_px(frame_size_)};
@@ -67,10 +89,14 @@ class Overlay final : public Sink {
     return {};
   }
 
-  Result<void> open(const Call&) override { return video_.open(path_, fps_, canvas_size_); }
+  Result<void> open(const Call&) override {
+    if (auto opened = video_.open(path_, fps_, canvas_size_); !opened) return opened;
+    thread_ = std::make_unique<JobThread<Scene>>([this](Scene& scene) { finish_scene(scene); });
+    return {};
+  }
 
   Result<void> write(const SinkInput& in) override {
-    if (!video_.is_open()) return Error{Errc::io, "the video " + path_ + " is not open"};
+    if (!thread_) return Error{Errc::io, "the video " + path_ + " is not open"};
     const Array<std::uint8_t>& pixels = in.image->pixels;
     const cv::Size size(static_cast<int>(pixels.dim(1)), static_cast<int>(pixels.dim(0)));
     if (size != frame_size_) {
@@ -83,38 +109,88 @@ class Overlay final : public Sink {
                    "the shape has " + std::to_string(in.shape->vertices_m.rows()) +
                        " vertices, the template " + std::to_string(in.templ->vertices_m.rows())};
     }
-    const cv::Mat canvas = picture_of(in);
-    if (auto written = video_.write(canvas); !written) return written.error();
-    if (stills_every_ > 0 && in.call.frame() % static_cast<std::uint64_t>(stills_every_) == 0) {
-      return write_still(canvas, in.call.frame());
-    }
-    return {};
+    fill_scene(in, thread_->next());
+    thread_->submit();
+    return oldest_failure();
   }
 
-  Result<void> finish(const Call&) override { return video_.close(); }
+  Result<void> finish(const Call&) override {
+    thread_.reset();  // renders and writes the remaining scenes
+    auto closed = video_.close();
+    return closed ? oldest_failure() : closed;
+  }
 
  private:
   static std::string text_of(cv::Size size) {
     return std::to_string(size.width) + " x " + std::to_string(size.height);
   }
 
-  cv::Mat picture_of(const SinkInput& in) const {
-    cv::Mat canvas(canvas_size_, CV_8UC3);
-    const cv::Rect image({}, frame_size_);
-    cv::Mat frame = canvas(image);
+  void fill_scene(const SinkInput& in, Scene& scene) const {
+    scene.frame = in.call.frame();
+    scene.canvas.create(canvas_size_, CV_8UC3);
+    cv::Mat frame = scene.canvas(cv::Rect({}, frame_size_));
     copy_pixels(in.image->pixels, frame);
-    draw_over(in, frame);
-    const Caption caption = caption_of(in);
-    draw_caption(canvas.rowRange(frame_size_.height, canvas.rows), caption);
-    if (view_ == View::image) return canvas;
-    const cv::Mat panel =
-        canvas(cv::Range(0, frame_size_.height), cv::Range(frame_size_.width, canvas.cols));
-    if (in.shape) {
-      side_view_.draw(panel, *in.shape, measured_in(in), in.call.frame());
-    } else {
-      side_view_.draw_nothing(panel, "no shape has been found yet", in.call.frame());
+    scene.caption = caption_of(in);
+    scene.matches_px.clear();
+    if (draw_matches_ && in.correspondences) scene.matches_px = kept_points(*in.correspondences);
+    scene.has_shape = in.shape.has_value();
+    if (!scene.has_shape) return;
+    constexpr int kHeightOfOneLine_px = 900;
+    const int width_px = line_width_px_ > 0 ? line_width_px_ : 1 + frame.rows / kHeightOfOneLine_px;
+    const Pinhole pinhole{in.camera->fx, in.camera->fy, in.camera->cx, in.camera->cy};
+    scene.vertices_m = in.shape->vertices_m.matrix<3>();
+    scene.vertices_px = project_points(pinhole, scene.vertices_m);
+    const auto visible = visible_in(in);
+    scene.visible.assign(visible.begin(), visible.end());
+    scene.measured = measured_in(in);
+    scene.confidence = in.shape->confidence;
+    scene.style = style_of(*in.shape, width_px);
+  }
+
+  /// Runs in the thread.
+  void finish_scene(Scene& scene) {
+    Result<void> done;
+    try {
+      render(scene);
+      done = video_.write(scene.canvas);
+      if (done && stills_every_ > 0 &&
+          scene.frame % static_cast<std::uint64_t>(stills_every_) == 0) {
+        done = write_still(scene.canvas, scene.frame);
+      }
+    } catch (const std::exception& error) {
+      done = Error{Errc::plugin_failure, std::string("rendering failed: ") + error.what()};
     }
-    return canvas;
+    if (done) return;
+    Error error = done.error();
+    error.message = "frame " + std::to_string(scene.frame) + ": " + error.message;
+    const std::lock_guard lock(failures_mutex_);
+    failures_.push_back(std::move(error));
+  }
+
+  /// The oldest failure of the thread that was not returned yet.
+  Result<void> oldest_failure() {
+    const std::lock_guard lock(failures_mutex_);
+    if (failures_.empty()) return {};
+    Error error = std::move(failures_.front());
+    failures_.pop_front();
+    return error;
+  }
+
+  void render(Scene& scene) {
+    cv::Mat frame = scene.canvas(cv::Rect({}, frame_size_));
+    draw_points(frame, scene.matches_px);
+    if (scene.has_shape) {
+      draw_mesh(frame, scene.vertices_px, faces_, topology_, drawn_, scene.visible, scene.style);
+    }
+    draw_caption(scene.canvas.rowRange(frame_size_.height, scene.canvas.rows), scene.caption);
+    if (view_ == View::image) return;
+    const cv::Mat panel = scene.canvas(cv::Range(0, frame_size_.height),
+                                       cv::Range(frame_size_.width, scene.canvas.cols));
+    if (scene.has_shape) {
+      side_view_.draw(panel, scene.vertices_m, scene.confidence, scene.measured, scene.frame);
+    } else {
+      side_view_.draw_nothing(panel, "no shape has been found yet", scene.frame);
+    }
   }
 
   static void copy_pixels(const Array<std::uint8_t>& pixels, cv::Mat& frame) {
@@ -126,17 +202,6 @@ class Overlay final : public Sink {
     } else {
       image.copyTo(frame);
     }
-  }
-
-  void draw_over(const SinkInput& in, cv::Mat& frame) const {
-    if (draw_matches_ && in.correspondences) draw_points(frame, kept_points(*in.correspondences));
-    if (!in.shape) return;
-    constexpr int kHeightOfOneLine_px = 900;
-    const int width_px = line_width_px_ > 0 ? line_width_px_ : 1 + frame.rows / kHeightOfOneLine_px;
-    const Pinhole pinhole{in.camera->fx, in.camera->fy, in.camera->cx, in.camera->cy};
-    draw_mesh(frame, project_points(pinhole, in.shape->vertices_m.matrix<3>()),
-              in.templ->faces.matrix<3>(), topology_, drawn_, visible_in(in),
-              style_of(*in.shape, width_px));
   }
 
   /// [V] 1 where the surface was seen and measured in this frame, as far as is known.
@@ -204,8 +269,12 @@ class Overlay final : public Sink {
   MeshTopology topology_;
   std::vector<std::uint8_t> drawn_;  ///< [E] edges that become lines
   cv::Size frame_size_, canvas_size_;
+  Faces faces_;  ///< [F,3]
   SideView side_view_;
   VideoFile video_;
+  std::mutex failures_mutex_;
+  std::deque<Error> failures_;
+  std::unique_ptr<JobThread<Scene>> thread_;  // the last member: it uses the others
 };
 
 }  // namespace

@@ -15,13 +15,12 @@
 namespace weft::overlay {
 namespace {
 
-constexpr int kFiner = 2, kMostFine_px = 1600;  // rendered larger and then made smaller:
-                                                // anti-aliased
+constexpr int kMostFine_px = 2200;   // panels up to half of this size are anti-aliased
 constexpr double kMargin = 0.94;     // share of the radius: a bent surface does not fill the ball
 constexpr double kBackPallor = 0.8;  // how blank the back of the surface is
 constexpr double kUnmeasuredPallor = 0.62;
-constexpr double kHaze = 0.22;  // how far the far side fades
-constexpr double kLineOpacity = 0.45;
+constexpr double kHaze = 0.22;   // how far the far side fades
+constexpr double kBlank = 0.93;  // paper is a little darker than what is behind it
 
 cv::Mat bgr_texture(const Template& templ) {
   const Array<std::uint8_t>& texels = templ.texture;
@@ -88,28 +87,28 @@ SideView::SideView(const Template& templ, const MeshTopology& topology,
     : faces_(templ.faces.matrix<3>()),
       sides_(sides_of(faces_, topology, drawn)),
       turn_frames_(turn_frames) {
-  const double finer = std::min<double>(
-      kFiner, static_cast<double>(kMostFine_px) / std::max(size.width, size.height));
-  fine_size_ = {std::max(1, cvRound(finer * size.width)),
-                std::max(1, cvRound(finer * size.height))};
+  finer_ = 2 * std::max(size.width, size.height) <= kMostFine_px ? 2 : 1;
+  const cv::Size fine_size = size * finer_;
   const Points3 rest = templ.vertices_m.matrix<3>();
   if (rest.rows() == 0) return;
   const Eigen::RowVector3d middle = rest.colwise().mean();
   radius_m_ = std::max(1e-6, kMargin * (rest.rowwise() - middle).rowwise().norm().maxCoeff());
   grid_m_ = floor_step_m(radius_m_);
-  texture_ = bgr_texture(templ);
+  cv::Mat texture = bgr_texture(templ);
   uv_px_ = templ.flat_px.matrix<2>();
   // One texel for a pixel: more would flicker.
   const double texel_m =
       mean_edge_length(rest, topology.edges) / mean_edge_length(uv_px_, topology.edges);
-  const double shrink = Orbit(middle, radius_m_, fine_size_, 0, 0).scale() * texel_m;
-  if (!(shrink < 1.0)) return;
-  const cv::Size smaller(std::max(1, cvRound(shrink * texture_.cols)),
-                         std::max(1, cvRound(shrink * texture_.rows)));
-  const Eigen::RowVector2d factor(static_cast<double>(smaller.width) / texture_.cols,
-                                  static_cast<double>(smaller.height) / texture_.rows);
-  cv::resize(texture_, texture_, smaller, 0, 0, cv::INTER_AREA);
-  uv_px_ = ((uv_px_.array() + 0.5).rowwise() * factor.array() - 0.5).matrix();
+  const double shrink = Orbit(middle, radius_m_, fine_size, 0, 0).scale() * texel_m;
+  if (shrink < 1.0) {
+    const cv::Size smaller(std::max(1, cvRound(shrink * texture.cols)),
+                           std::max(1, cvRound(shrink * texture.rows)));
+    const Eigen::RowVector2d factor(static_cast<double>(smaller.width) / texture.cols,
+                                    static_cast<double>(smaller.height) / texture.rows);
+    cv::resize(texture, texture, smaller, 0, 0, cv::INTER_AREA);
+    uv_px_ = ((uv_px_.array() + 0.5).rowwise() * factor.array() - 0.5).matrix();
+  }
+  paint_ = Paint(texture, kBlank * kPaper, std::max(1.0, fine_size.height / 480.0));
 }
 
 Eigen::Vector3d SideView::middle_of(const Points3View& vertices_m) const {
@@ -124,19 +123,18 @@ Eigen::Vector3d SideView::middle_of(const Points3View& vertices_m) const {
   return count > 0.0 ? Eigen::Vector3d(sum / count) : sum;
 }
 
-cv::Mat SideView::ground_around(const Points3View& vertices_m, cv::Size panel,
-                                std::uint64_t frame) const {
+void SideView::draw_ground(cv::Mat& panel, const Points3View& vertices_m,
+                           std::uint64_t frame) const {
   const Eigen::Vector3d middle_m = middle_of(vertices_m);
   double below_m = 0.3 * radius_m_;
   for (Eigen::Index v = 0; v < vertices_m.rows(); ++v) {
     below_m = std::max(below_m, vertices_m(v, 1) - middle_m.y());
   }
   const double floor_m = middle_m.y() + std::min(below_m, radius_m_) + 0.06 * radius_m_;
-  cv::Mat ground(panel.width < fine_size_.width ? panel : fine_size_, CV_8UC3, kPaper);
-  const Orbit orbit(middle_m, radius_m_, ground.size(), frame, turn_frames_);
-  draw_floor(ground, orbit, floor_m, radius_m_, grid_m_);
-  if (vertices_m.rows() > 0) draw_shadow(ground, orbit, floor_m, vertices_m, faces_);
-  return ground;
+  panel.setTo(kPaper);
+  const Orbit orbit(middle_m, radius_m_, panel.size(), frame, turn_frames_);
+  draw_floor(panel, orbit, floor_m, radius_m_, grid_m_);
+  if (vertices_m.rows() > 0) draw_shadow(panel, orbit, floor_m, vertices_m, faces_);
 }
 
 std::vector<Corner> SideView::corners_of(const Orbit& orbit, const Points3& moved_m,
@@ -159,15 +157,13 @@ std::vector<Corner> SideView::corners_of(const Orbit& orbit, const Points3& move
   return corners;
 }
 
-Raster SideView::raster_of(const Orbit& orbit, const Points3View& vertices_m,
-                           const std::vector<double>& measured) const {
-  Raster raster(fine_size_);
+void SideView::draw_mesh(const Orbit& orbit, const Points3View& vertices_m,
+                         const std::vector<double>& measured) {
   Points3 moved_m(vertices_m.rows(), 3);
   for (Eigen::Index v = 0; v < vertices_m.rows(); ++v) {
     moved_m.row(v) = orbit.moved(vertices_m.row(v)).transpose();
   }
   const std::vector<Corner> corners = corners_of(orbit, moved_m, measured);
-  const double line_px = std::max(1.0, fine_size_.height / 480.0);
   for (Eigen::Index f = 0; f < faces_.rows(); ++f) {
     worked_in_loop(f, 20);
     std::array<Corner, 3> three;
@@ -183,54 +179,25 @@ Raster SideView::raster_of(const Orbit& orbit, const Points3View& vertices_m,
     for (Corner& corner : three) {
       if (is_back) corner.pallor = 1.0 - (1.0 - corner.pallor) * (1.0 - kBackPallor);
     }
-    draw_triangle(raster, three, sides_[to_index(f)], line_px);
-  }
-  return raster;
-}
-
-void SideView::colour(cv::Mat& canvas, const Raster& raster, const cv::Scalar& line_colour) const {
-  if (raster.window.empty()) return;
-  cv::Mat print;
-  cv::remap(texture_, print, raster.uv_px(raster.window), cv::noArray(), cv::INTER_LINEAR,
-            cv::BORDER_REPLICATE);
-  for (int y = 0; y < raster.window.height; ++y) {
-    worked(10 * raster.window.width);
-    for (int x = 0; x < raster.window.width; ++x) {
-      const cv::Point at(raster.window.x + x, raster.window.y + y);
-      if (raster.nearness(at) <= 0.0F) continue;
-      const float pallor = raster.pallor(at);
-      const float light = raster.light(at) * (1.0F - 0.5F * pallor) + 0.5F * pallor;
-      const float line =
-          static_cast<float>(kLineOpacity) * raster.line(at) * (1.0F - 0.5F * pallor);
-      const cv::Vec3b texel = print.at<cv::Vec3b>(y, x);
-      auto& pixel = canvas.at<cv::Vec3b>(at);
-      for (int k = 0; k < 3; ++k) {
-        // Paper is a little darker than what stands behind it.
-        const float blank = 0.93F * static_cast<float>(kPaper[k]);
-        const float lit = light * (pallor * blank + (1.0F - pallor) * static_cast<float>(texel[k]));
-        pixel[k] = cv::saturate_cast<std::uint8_t>(
-            lit + line * (static_cast<float>(line_colour[k]) - lit));
-      }
-    }
+    raster_.draw(three, sides_[to_index(f)], paint_);
   }
 }
 
-void SideView::draw(cv::Mat panel, const Shape& shape, const std::vector<double>& measured,
-                    std::uint64_t frame) const {
-  const auto vertices_m = shape.vertices_m.matrix<3>();
-  cv::Mat fine;
-  cv::resize(ground_around(vertices_m, panel.size(), frame), fine, fine_size_, 0, 0,
-             cv::INTER_NEAREST);
-  const Orbit orbit(middle_of(vertices_m), radius_m_, fine_size_, frame, turn_frames_);
-  colour(fine, raster_of(orbit, vertices_m, measured), colour_of_confidence(shape.confidence));
-  cv::resize(fine, panel, panel.size(), 0, 0, cv::INTER_AREA);
+void SideView::draw(cv::Mat panel, const Points3View& vertices_m, double confidence,
+                    const std::vector<double>& measured, std::uint64_t frame) {
+  draw_ground(panel, vertices_m, frame);
+  const cv::Size fine_size = panel.size() * finer_;
+  const Orbit orbit(middle_of(vertices_m), radius_m_, fine_size, frame, turn_frames_);
+  paint_.line_colour = colour_of_confidence(confidence);
+  raster_.clear(fine_size);
+  draw_mesh(orbit, vertices_m, measured);
+  finer_ == 2 ? raster_.lay_over<2>(panel) : raster_.lay_over<1>(panel);
   const bool is_pale = std::find(measured.begin(), measured.end(), 0.0) != measured.end();
   label(panel, is_pale ? "pale: not seen or not measured" : "");
 }
 
 void SideView::draw_nothing(cv::Mat panel, const std::string& why, std::uint64_t frame) const {
-  const cv::Mat ground = ground_around(Points3(0, 3), panel.size(), frame);
-  cv::resize(ground, panel, panel.size(), 0, 0, cv::INTER_AREA);
+  draw_ground(panel, Points3(0, 3), frame);
   draw_text(panel, why, {0.5 * panel.cols, 0.45 * panel.rows}, Anchor::centre,
             {0.026 * panel.rows, kFaintInk, false, 0.9 * panel.cols});
   label(panel, "");

@@ -6,9 +6,9 @@
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
-#include <weft/data/shape.hpp>
 #include <weft/data/template.hpp>
 #include <weft/geometry/mesh_topology.hpp>
+#include <weft/geometry/types.hpp>
 
 #include "orbit.hpp"
 #include "raster.hpp"
@@ -25,30 +25,30 @@ class SideView {
            const std::vector<std::uint8_t>& drawn, cv::Size size, int turn_frames);
 
   /// Renders a shape in frame `frame`; `measured` [V] is 0 where the surface is pale.
-  void draw(cv::Mat panel, const Shape& shape, const std::vector<double>& measured,
-            std::uint64_t frame) const;
+  void draw(cv::Mat panel, const Points3View& vertices_m, double confidence,
+            const std::vector<double>& measured, std::uint64_t frame);
   /// Draws the empty floor, and why there is nothing on it.
   void draw_nothing(cv::Mat panel, const std::string& why, std::uint64_t frame) const;
 
  private:
   Eigen::Vector3d middle_of(const Points3View& vertices_m) const;
-  /// Paper with the floor and the shadow on it, as large as the panel or a smaller one.
-  cv::Mat ground_around(const Points3View& vertices_m, cv::Size panel, std::uint64_t frame) const;
+  /// Draws paper with the floor and the shadow on it.
+  void draw_ground(cv::Mat& panel, const Points3View& vertices_m, std::uint64_t frame) const;
   std::vector<Corner> corners_of(const Orbit& orbit, const Points3& moved_m,
                                  const std::vector<double>& measured) const;
-  Raster raster_of(const Orbit& orbit, const Points3View& vertices_m,
-                   const std::vector<double>& measured) const;
-  void colour(cv::Mat& canvas, const Raster& raster, const cv::Scalar& line_colour) const;
+  void draw_mesh(const Orbit& orbit, const Points3View& vertices_m,
+                 const std::vector<double>& measured);
   void label(cv::Mat& panel, const std::string& pale) const;
 
-  cv::Size fine_size_;  ///< the mesh is rendered larger than the panel, for smoothness
-  Faces faces_;         ///< [F,3]
+  int finer_ = 1;  ///< the mesh is rendered larger than the panel by this factor
+  Faces faces_;    ///< [F,3]
   std::vector<std::array<bool, 3>> sides_;  ///< [F] whether the side opposite a corner is a line
-  cv::Mat texture_;                         ///< BGR, with a pixel for about a pixel of the canvas
+  Paint paint_;                             ///< with a texel for about a pixel of the raster
   Points2 uv_px_;                           ///< [V,2] px of this texture
   double radius_m_ = 1.0;                   ///< [] m, of the template about its middle
   double grid_m_ = 0.2;                     ///< [] m between lines of the floor
   int turn_frames_ = 0;
+  Raster raster_;
 };
 
 }  // namespace weft::overlay

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "video_file.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <weft/core/whole_file.hpp>
@@ -16,19 +13,6 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_avi(const std::string& path) { return path.ends_with(".avi"); }
-
-/// Makes an empty file, so that the system can report an error; FFmpeg does not.
-Result<void> check_writable(const std::string& path) {
-  constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC;
-  const int file = ::open(path.c_str(), kFlags, 0666);
-  if (file >= 0) {
-    ::close(file);
-    return {};
-  }
-  const std::error_code code = last_system_error();
-  return Error{Errc::io, "the video " + path + " cannot be written (" + why_not_written(code) +
-                             "): choose another 'path' or make its folder writable"};
-}
 
 }  // namespace
 
@@ -45,10 +29,10 @@ Result<void> VideoFile::open(const std::string& path, double fps, cv::Size size)
 
 Result<void> VideoFile::check_format(const std::string& path) {
   const std::string extension = fs::path(path).extension().string();
-  if (extension == ".avi" || extension == ".mkv") return {};
+  if (extension == ".avi" || extension == ".mkv" || extension == ".mp4") return {};
   return Error{Errc::unsupported,
-               "the video " + path + " must end in .avi or .mkv, which stay readable when a " +
-                   "run is killed: change 'path', and convert the file afterwards"};
+               "the video " + path + " must end in .avi, .mkv or .mp4, which stay readable when " +
+                   "a run is killed: change 'path', and convert the file afterwards"};
 }
 
 Result<void> VideoFile::open_part() {
@@ -64,20 +48,8 @@ Result<void> VideoFile::open_part() {
   }
   part_path_ = path.string();
   given_ = 0;
-  return is_avi(part_path_) ? avi_.open(part_path_, fps_, size_.width, size_.height) : open_mkv();
-}
-
-Result<void> VideoFile::open_mkv() {
-  if (auto writable = check_writable(part_path_); !writable) return writable;
-  try {
-    writer_.open(part_path_, cv::CAP_FFMPEG, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), fps_,
-                 size_);
-  } catch (const cv::Exception&) {
-    writer_.release();
-  }
-  if (writer_.isOpened()) return {};
-  return Error{Errc::unsupported, "OpenCV cannot write the video " + part_path_ +
-                                      ": it was built without FFmpeg; use .avi"};
+  return is_avi(part_path_) ? avi_.open(part_path_, fps_, size_.width, size_.height)
+                            : media_.open(part_path_, fps_, size_);
 }
 
 Result<void> VideoFile::write(const cv::Mat& picture) {
@@ -92,26 +64,25 @@ Result<void> VideoFile::add(const cv::Mat& picture) {
     ++part_;
     if (auto opened = open_part(); !opened) return opened;
   }
-  if (!avi_.is_open()) {
-    writer_.write(picture);
-    ++given_;
-    return {};
-  }
+  if (!is_open()) return Error{Errc::io, "the video " + part_path_ + " is not open"};
+  auto added = add_encoded(picture);
+  if (added) ++given_;
+  return added;
+}
+
+Result<void> VideoFile::add_encoded(const cv::Mat& picture) {
+  if (media_.is_open() && !media_.takes_jpeg()) return media_.add(picture);
   std::vector<std::uint8_t> jpeg;
   constexpr int kQuality = 95;
   if (!cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, kQuality})) {
     return Error{Errc::unsupported, "OpenCV cannot write the frame as JPEG"};
   }
-  if (auto added = avi_.add(jpeg); !added) return added;
-  ++given_;
-  return {};
+  return avi_.is_open() ? avi_.add(jpeg) : media_.add(jpeg);
 }
 
 Result<void> VideoFile::close_part() {
   if (!is_open()) return {};
-  auto closed = avi_.close();
-  writer_.release();
-  if (!closed) return closed;
+  if (auto closed = avi_.is_open() ? avi_.close() : media_.close(); !closed) return closed;
   const std::int64_t found = films::count_packets(part_path_);
   if (found != given_) {
     return Error{Errc::io, "the video " + part_path_ + " has " + std::to_string(found) + " of " +

@@ -93,6 +93,7 @@ class OverlaySink : public ::testing::Test {
     EXPECT_EQ(open(plugin).status, WEFT_OK);
     const PluginAnswer written = plugin.process(kWrite, list, 3);
     EXPECT_EQ(written.status, WEFT_OK) << written.message;
+    EXPECT_EQ(plugin.process(kFinish, {}).status, WEFT_OK);
     return cv::imread((folder_ / "s" / "000003.png").string());
   }
 
@@ -104,7 +105,7 @@ class OverlaySink : public ::testing::Test {
 };
 
 TEST_F(OverlaySink, WritesEveryFrameIntoTheVideo) {
-  for (const char* name : {"view.avi", "view.mkv"}) {
+  for (const char* name : {"view.avi", "view.mkv", "view.mp4"}) {
     auto plugin = sink(", fps: 10", name);
     ASSERT_EQ(open(plugin).status, WEFT_OK);
     for (std::uint64_t i = 0; i < 12; ++i) {
@@ -117,15 +118,70 @@ TEST_F(OverlaySink, WritesEveryFrameIntoTheVideo) {
   }
 }
 
-TEST_F(OverlaySink, LeavesEveryFinishedFrameInAnAviWhenTheRunIsKilled) {
-  auto plugin = sink();
+TEST_F(OverlaySink, LeavesAllButThreeFramesInTheVideoWhenTheRunIsKilled) {
+  for (const std::string name : {"view.avi", "view.mkv", "view.mp4"}) {
+    auto plugin = sink("", name);
+    ASSERT_EQ(open(plugin).status, WEFT_OK);
+    for (int i = 0; i < 12; ++i) {
+      ASSERT_EQ(plugin.process(kWrite, inputs(), static_cast<std::uint64_t>(i)).status, WEFT_OK);
+      // The file on the disk now is the one that a killed process leaves behind.
+      fs::copy_file(folder_ / name, folder_ / ("killed_" + name),
+                    fs::copy_options::overwrite_existing);
+      EXPECT_GE(frames_in(folder_ / ("killed_" + name)), i + 1 - 3) << name;
+    }
+  }
+}
+
+TEST_F(OverlaySink, KeepsTheOrderOfTheFrames) {
+  auto plugin = sink(", view: image");
   ASSERT_EQ(open(plugin).status, WEFT_OK);
-  for (int i = 0; i < 6; ++i) {
-    // The file on the disk now is the one that a killed process leaves behind.
-    fs::copy_file(folder_ / "view.avi", folder_ / "killed.avi",
-                  fs::copy_options::overwrite_existing);
-    EXPECT_EQ(frames_in(folder_ / "killed.avi"), i);
-    ASSERT_EQ(plugin.process(kWrite, inputs(), static_cast<std::uint64_t>(i)).status, WEFT_OK);
+  for (int i = 0; i < 25; ++i) {
+    std::fill_n(image_.pixels.data(), image_.pixels.size(), static_cast<std::uint8_t>(10 * i));
+    ASSERT_EQ(plugin.process(kWrite, inputs(false), static_cast<std::uint64_t>(i)).status, WEFT_OK);
+  }
+  ASSERT_EQ(plugin.process(kFinish, {}).status, WEFT_OK);
+  cv::VideoCapture capture((folder_ / "view.avi").string(), cv::CAP_FFMPEG);
+  for (int i = 0; i < 25; ++i) {
+    cv::Mat frame;
+    ASSERT_TRUE(capture.read(frame)) << i;
+    EXPECT_NEAR(frame.at<cv::Vec3b>(20, 20)[1], 10 * i, 4) << i;
+  }
+}
+
+TEST_F(OverlaySink, NamesTheFrameOfAFailureAndGoesOn) {
+  auto plugin = sink(", stills_every: 2");
+  ASSERT_EQ(open(plugin).status, WEFT_OK);
+  std::ofstream(folder_ / "view") << "a file where the folder of the stills is needed";
+  int failed = 0;
+  const auto count = [&](const PluginAnswer& answer) {
+    if (answer.status == WEFT_OK) return;
+    EXPECT_THAT(answer.message, HasSubstr("frame " + std::to_string(2 * failed) + ": "));
+    ++failed;
+  };
+  for (std::uint64_t i = 0; i < 8; ++i) count(plugin.process(kWrite, inputs(), i));
+  count(plugin.process(kFinish, {}));
+  EXPECT_GE(failed, 3);
+  EXPECT_EQ(frames_in(folder_ / "view.avi"), 8);
+}
+
+TEST_F(OverlaySink, KeepsOddSizesInEveryFormat) {
+  camera_.width_px = 161;
+  camera_.height_px = 121;
+  image_.pixels = weft::Array<std::uint8_t>({121, 161, 3}, 0);
+  const cv::Mat picture = still(inputs(), ", view: image");
+  for (const std::string name : {"view.avi", "view.mkv", "view.mp4"}) {
+    auto plugin = sink(", view: image", name);
+    ASSERT_EQ(open(plugin).status, WEFT_OK);
+    ASSERT_EQ(plugin.process(kWrite, inputs(), 0).status, WEFT_OK);
+    ASSERT_EQ(plugin.process(kFinish, {}).status, WEFT_OK);
+    cv::VideoCapture capture((folder_ / name).string(), cv::CAP_FFMPEG);
+    cv::Mat frame;
+    ASSERT_TRUE(capture.read(frame)) << name;
+    const int more = name.ends_with("mp4") ? 1 : 0;  // H.264 with a colour for 2 x 2 px is even
+    EXPECT_EQ(frame.cols, 161 + more) << name;
+    EXPECT_EQ(frame.rows, picture.rows + more * (picture.rows % 2)) << name;
+    const cv::Rect inner(0, 0, 160, 120);
+    EXPECT_LT(cv::norm(frame(inner), picture(inner), cv::NORM_L1) / inner.area() / 3, 3.0) << name;
   }
 }
 
@@ -221,8 +277,11 @@ TEST_F(OverlaySink, SwingsAroundTheMeshByTheNumberOfTheFrameAlone) {
   PluginUnderTest plugin("sinks/overlay", "{path: '" + (folder_ / "s.avi").string() +
                                               "', stills_every: 1, turn_frames: 40}");
   ASSERT_EQ(open(plugin).status, WEFT_OK);
-  const auto panel_of = [&](std::uint64_t frame) {
+  for (const std::uint64_t frame : {3U, 13U, 43U}) {
     EXPECT_EQ(plugin.process(kWrite, inputs(), frame).status, WEFT_OK);
+  }
+  ASSERT_EQ(plugin.process(kFinish, {}).status, WEFT_OK);
+  const auto panel_of = [&](std::uint64_t frame) {
     char name[16];
     std::snprintf(name, sizeof name, "%06d.png", static_cast<int>(frame));
     const cv::Mat picture = cv::imread((folder_ / "s" / name).string());
@@ -338,6 +397,7 @@ TEST_F(OverlaySink, KeepsEveryNthFrameAsAStill) {
   for (std::uint64_t i = 0; i < 9; ++i) {
     ASSERT_EQ(plugin.process(kWrite, inputs(), i).status, WEFT_OK);
   }
+  ASSERT_EQ(plugin.process(kFinish, {}).status, WEFT_OK);
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder_ / "view")) {
     names.push_back(entry.path().filename().string());
@@ -349,6 +409,7 @@ TEST_F(OverlaySink, PutsStillsIntoAFolderOfChoice) {
   auto plugin = sink(", stills_every: 1, stills: '" + (folder_ / "chosen").string() + "'");
   ASSERT_EQ(open(plugin).status, WEFT_OK);
   ASSERT_EQ(plugin.process(kWrite, inputs(), 0).status, WEFT_OK);
+  ASSERT_EQ(plugin.process(kFinish, {}).status, WEFT_OK);
   EXPECT_TRUE(fs::exists(folder_ / "chosen" / "000000.png"));
   EXPECT_FALSE(fs::exists(folder_ / "view"));
 }
@@ -357,6 +418,7 @@ TEST_F(OverlaySink, KeepsStillsAsJpegWhenAskedTo) {
   auto plugin = sink(", stills_every: 1, stills_format: jpg");
   ASSERT_EQ(open(plugin).status, WEFT_OK);
   ASSERT_EQ(plugin.process(kWrite, inputs(), 0).status, WEFT_OK);
+  ASSERT_EQ(plugin.process(kFinish, {}).status, WEFT_OK);
   EXPECT_FALSE(fs::exists(folder_ / "view" / "000000.png"));
   EXPECT_EQ(cv::imread((folder_ / "view" / "000000.jpg").string()).size(), still(inputs()).size());
 }
@@ -370,10 +432,10 @@ TEST_F(OverlaySink, MakesStillsSmallerButNeverLarger) {
 }
 
 TEST_F(OverlaySink, RefusesFormatsThatAKilledRunWouldLeaveBroken) {
-  auto plugin = sink("", "view.mp4");
+  auto plugin = sink("", "view.mov");
   const PluginAnswer refused = open(plugin);
   EXPECT_EQ(refused.status, WEFT_ERROR);
-  EXPECT_THAT(refused.message, ::testing::AllOf(HasSubstr("view.mp4"), HasSubstr(".avi")));
+  EXPECT_THAT(refused.message, ::testing::AllOf(HasSubstr("view.mov"), HasSubstr(".avi")));
 }
 
 TEST_F(OverlaySink, NamesTheVideoThatCannotBeWritten) {

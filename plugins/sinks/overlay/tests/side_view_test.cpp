@@ -23,45 +23,89 @@ Three triangle(double nearness) {
   return corners;
 }
 
-TEST(SideViewRaster, ShowsTheNearerTriangleInWhateverOrder) {
+class SideViewRaster : public ::testing::Test {
+ protected:
+  /// Blue is u and green is v.
+  SideViewRaster() {
+    cv::Mat3b texture(100, 100);
+    for (int y = 0; y < 100; ++y) {
+      for (int x = 0; x < 100; ++x)
+        texture(y, x) = {static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y), 200};
+    }
+    paint_ = Paint(texture, cv::Scalar::all(255), 2.0);
+    raster_.clear({100, 100});
+  }
+
+  Paint paint_;
+  Raster raster_;
+};
+
+TEST_F(SideViewRaster, ShowsTheNearerTriangleInWhateverOrder) {
   for (const bool near_first : {false, true}) {
-    Raster raster({100, 100});
+    raster_.clear({100, 100});
     for (const bool is_near : {near_first, !near_first}) {
       Three corners = triangle(is_near ? 2.0 : 1.0);
       for (Corner& corner : corners) corner.light = is_near ? 0.25 : 0.75;
-      draw_triangle(raster, corners, {false, false, false}, 1.0);
+      raster_.draw(corners, {false, false, false}, paint_);
     }
-    EXPECT_FLOAT_EQ(raster.light(30, 30), 0.25F);
-    EXPECT_EQ(raster.nearness(95, 95), 0.0F);
+    EXPECT_EQ(raster_.colour({30, 30})[2], 50);
+    EXPECT_EQ(raster_.nearness({95, 95}), 0.0F);
   }
 }
 
-TEST(SideViewRaster, LaysTheTextureInPerspective) {
+TEST_F(SideViewRaster, LaysTheTextureInPerspective) {
   // Along the upper side from 1 m to 3 m: half-way on the canvas is a quarter of the way in space.
   Three corners = triangle(1.0);
   corners[2].nearness = 1.0 / 3.0;
-  Raster raster({100, 100});
-  draw_triangle(raster, corners, {false, false, false}, 1.0);
-  EXPECT_NEAR(raster.uv_px(10, 50)[0], 10.0 + 0.25 * 80.0, 1e-3);
-  EXPECT_NEAR(raster.nearness(10, 50), 2.0 / 3.0, 1e-5);
+  raster_.draw(corners, {false, false, false}, paint_);
+  EXPECT_EQ(raster_.colour({50, 10})[0], 30);
+  EXPECT_EQ(raster_.colour({50, 10})[1], 10);
+  EXPECT_NEAR(raster_.nearness({50, 10}), 2.0 / 3.0, 1e-5);
 }
 
-TEST(SideViewRaster, DrawsTheSidesThatAreLines) {
-  Raster raster({100, 100});
-  draw_triangle(raster, triangle(1.0), {false, true, false}, 2.0);  // the upper side
-  EXPECT_FLOAT_EQ(raster.line(10, 40), 1.0F);
-  EXPECT_FLOAT_EQ(raster.line(40, 10), 0.0F);
-  EXPECT_FLOAT_EQ(raster.line(14, 40), 0.0F);
+TEST_F(SideViewRaster, DrawsTheSidesThatAreLines) {
+  raster_.draw(triangle(1.0), {false, true, false}, paint_);  // the upper side, in black
+  EXPECT_LT(raster_.colour({40, 10})[2], 120);
+  EXPECT_EQ(raster_.colour({10, 40})[2], 200);
+  EXPECT_EQ(raster_.colour({40, 14})[2], 200);
 }
 
-TEST(SideViewRaster, LeavesOutWhatIsBeyondTheCanvasOrDegenerate) {
-  Raster raster({100, 100});
+TEST_F(SideViewRaster, LeavesNoGapBetweenTrianglesAndNothingBesideThem) {
+  // A square of two triangles, of a width that is no multiple of a vector of pixels.
+  Three one = triangle(1.0), other = triangle(1.0);
+  other[0].at_px = {90, 90};
+  std::swap(other[1], other[2]);
+  raster_.draw(one, {false, false, false}, paint_);
+  raster_.draw(other, {false, false, false}, paint_);
+  for (int y = 0; y < 100; ++y) {
+    for (int x = 0; x < 100; ++x) {
+      const bool is_inside = x >= 10 && x <= 90 && y >= 10 && y <= 90;
+      EXPECT_EQ(raster_.nearness({x, y}) > 0.0F, is_inside) << x << " " << y;
+    }
+  }
+}
+
+TEST_F(SideViewRaster, IsSmoothAtItsRim) {
+  // The left side ends between two pixels of the raster, and so within one of the canvas.
+  Three corners = triangle(1.0);
+  corners[0].at_px.x = corners[1].at_px.x = 10.5;
+  raster_.draw(corners, {false, false, false}, paint_);
+  cv::Mat canvas(50, 50, CV_8UC3, cv::Scalar::all(100));
+  raster_.lay_over<2>(canvas);
+  EXPECT_EQ(canvas.at<cv::Vec3b>(10, 4)[2], 100);
+  EXPECT_EQ(canvas.at<cv::Vec3b>(10, 5)[2], 150);
+  EXPECT_EQ(canvas.at<cv::Vec3b>(10, 6)[2], 200);
+}
+
+TEST_F(SideViewRaster, LeavesOutWhatIsBeyondTheCanvasOrDegenerate) {
   Three far = triangle(1.0), flat = triangle(1.0);
   for (Corner& corner : far) corner.at_px += {1e12, -1e12};
   flat[2].at_px = flat[1].at_px;
-  draw_triangle(raster, far, {true, true, true}, 1.0);
-  draw_triangle(raster, flat, {true, true, true}, 1.0);
-  EXPECT_EQ(cv::countNonZero(raster.nearness), 0);
+  raster_.draw(far, {true, true, true}, paint_);
+  raster_.draw(flat, {true, true, true}, paint_);
+  for (int y = 0; y < 100; ++y) {
+    for (int x = 0; x < 100; ++x) EXPECT_EQ(raster_.nearness({x, y}), 0.0F);
+  }
 }
 
 TEST(Orbit, HoldsTheMiddleStillAndAllOfTheBallInThePicture) {
