@@ -10,7 +10,9 @@ extern "C" {
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <weft/core/index.hpp>
@@ -195,7 +197,7 @@ Result<void> MediaFile::close() {
   if (!state_) return {};
   State& s = *state_;
   if (failed_ && s.encoder != nullptr) {
-    avcodec_send_frame(s.encoder, nullptr);  // what an encoder other than libx264 still has
+    avcodec_send_frame(s.encoder, nullptr);  // encoders other than libx264 may still have images
     while (failed_ && avcodec_receive_packet(s.encoder, s.packet) >= 0) failed_ = write_packet();
   }
   int code = failed_ ? av_write_trailer(s.format) : 0;

@@ -56,8 +56,8 @@ void Raster::draw(const std::array<Corner, 3>& corners, const std::array<bool, 3
   const int y0 = static_cast<int>(std::ceil(std::clamp<double>(top, 0.0, rows)));
   const int y1 = static_cast<int>(std::floor(std::clamp<double>(bottom, -1.0, rows - 1)));
 
-  std::array<cv::Point2d, 3> gradient;  // of the weights of the corners, 1/px
-  std::array<double, 3> height_px{};    // of each corner above its side
+  std::array<cv::Point2d, 3> gradient;  // 1/px, weights of the corners
+  std::array<double, 3> height_px{};    // heights of the corners above their sides
   for (std::size_t k = 0; k < 3; ++k) {
     const cv::Point2d side = corners[(k + 2) % 3].at_px - corners[(k + 1) % 3].at_px;
     gradient[k] = cv::Point2d(-side.y, side.x) / area;

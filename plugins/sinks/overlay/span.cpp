@@ -32,7 +32,7 @@ HWY_INLINE Reals Mixed(Reals from, Reals to, Reals share) {
   return hn::MulAdd(share, hn::Sub(to, from), from);
 }
 
-/// What the colours of a few pixels consist of.
+/// The parts of the colours of a few pixels.
 struct Pixels {
   std::array<Wholes, 4> texels;  ///< upper left, upper right, lower left, lower right
   Reals right, below, light, pallor, line;
