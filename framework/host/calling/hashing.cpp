@@ -3,28 +3,34 @@
 
 #include <xxhash.h>
 
+#include <array>
 #include <atomic>
 #include <cstring>
+#include <string>
 #include <weft/core/index.hpp>
-#include <weft/core/inline_vector.hpp>
 
 namespace weft::host {
 
 std::uint64_t component_seed(std::uint64_t run_seed, std::uint64_t frame, std::string_view stage,
                              std::string_view nested_path, std::uint64_t draw) {
-  InlineVector<char, 256> bytes;
-  const auto add = [&bytes](std::uint64_t number) {
-    for (int i = 0; i < 8; ++i) {
-      bytes.push_back(static_cast<char>((number >> (8 * i)) & 0xFFU));
-    }
+  std::array<char, 256> small;
+  std::string large;
+  const std::size_t size =
+      2 * sizeof(run_seed) + stage.size() + 1 + nested_path.size() + (draw != 0 ? sizeof(draw) : 0);
+  if (size > small.size()) large.resize(size);
+  char* const bytes = large.empty() ? small.data() : large.data();
+  char* end = bytes;
+  const auto add = [&end](const void* part, std::size_t length) {
+    std::memcpy(end, part, length);
+    end += length;
   };
-  add(run_seed);
-  add(frame);
-  for (const char c : stage) bytes.push_back(c);
-  bytes.push_back('\0');
-  for (const char c : nested_path) bytes.push_back(c);
-  if (draw != 0) add(draw);
-  return XXH3_64bits(bytes.data(), bytes.size());
+  add(&run_seed, sizeof(run_seed));  // little-endian, as this processor stores it
+  add(&frame, sizeof(frame));
+  add(stage.data(), stage.size());
+  *end++ = '\0';
+  add(nested_path.data(), nested_path.size());
+  if (draw != 0) add(&draw, sizeof(draw));
+  return XXH3_64bits(bytes, size);
 }
 
 std::uint64_t content_revision(const Record& record) {

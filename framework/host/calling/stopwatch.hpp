@@ -23,7 +23,8 @@ struct Spent {
 /// one thread can be attributed to its action.
 enum class ProcessorTime { of_process, of_thread };
 
-/// Measures what is spent from its making on.
+/// Measures what is spent from its making on. CPU time is exact to some 20 us for each running
+/// thread, and adds up over successive intervals.
 class Stopwatch {
  public:
   /// If the process is counted, the time of the thread with the clock `excluded` is subtracted,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <sys/types.h>
 #include <unistd.h>
 
 #include <weft/sdk/extensions.hpp>
@@ -9,19 +10,23 @@
 
 namespace weft::host {
 
+/// getpid() without a system call for each, also in a copy that a library made by a bare system
+/// call.
+pid_t process_id();
+
 /// While a library is at work: ends a copy of the process that it makes with fork() and lets
 /// return. Two processes would go on from here, answer the same call and write the same files.
 class OneProcess {
  public:
   OneProcess() = default;
   ~OneProcess() {
-    if (getpid() != process_) _exit(0);
+    if (process_id() != process_) _exit(0);
   }
   OneProcess(const OneProcess&) = delete;
   OneProcess& operator=(const OneProcess&) = delete;
 
  private:
-  pid_t process_ = getpid();
+  pid_t process_ = process_id();
 };
 
 /// The status of a function of a library. The library may break its contract: an exception becomes

@@ -18,6 +18,7 @@ TEST(ComponentSeed, GivesTheGoldenValues) {
   EXPECT_EQ(component_seed(1, kOfflineFrame, "templates", ""), 0xd5287d7454f7ad54U);
   EXPECT_EQ(component_seed(7, 1234567890123, "filters#2", "start/warp"), 0xbd7975f8b9f03bfcU);
   EXPECT_EQ(component_seed(0, 0, "", ""), 0xc2915ca0df7ad4c1U);
+  EXPECT_EQ(component_seed(1, 2, "filters", std::string(300, 'a'), 5), 0x5f98a7d98a2657f8U);
 }
 
 TEST(ComponentSeed, DiffersForEveryRunFrameStageAndNestedComponent) {

@@ -5,7 +5,9 @@
 #include <pthread.h>
 
 #include <future>
+#include <numeric>
 #include <thread>
+#include <vector>
 
 namespace weft::host {
 namespace {
@@ -38,6 +40,51 @@ TEST(Stopwatch, LeavesOutWhatAThreadSpendsThatDoesSomethingElse) {
   EXPECT_GE(whole_ms, kSpent_ms);
   end.set_value();
   other.join();
+}
+
+constexpr double kExact_ms = 0.1;  ///< the clock is read once in 20 us
+
+/// CPU time of this thread in each of many short intervals, which are within one long one.
+struct Intervals {
+  double truth_ms = 0.0, whole_ms = 0.0;
+  std::vector<double> each_ms;
+
+  double sum_ms() const { return std::accumulate(each_ms.begin(), each_ms.end(), 0.0); }
+};
+
+template <class Action>
+Intervals intervals_of(Action&& action, int count) {
+  Intervals found;
+  const double begin_ms = ms_of(CLOCK_THREAD_CPUTIME_ID);
+  const Stopwatch whole(ProcessorTime::of_thread);
+  for (int i = 0; i < count; ++i) {
+    const Stopwatch one(ProcessorTime::of_thread);
+    action();
+    found.each_ms.push_back(one.spent().processor_ms);
+  }
+  found.whole_ms = whole.spent().processor_ms;
+  found.truth_ms = ms_of(CLOCK_THREAD_CPUTIME_ID) - begin_ms;
+  return found;
+}
+
+TEST(Stopwatch, CountsShortIntervalsOfAThreadThatWorks) {
+  const auto work = [] {
+    volatile int last = 0;
+    for (int i = 0; i < 2000; ++i) last = i;  // less than 20 us
+    static_cast<void>(last);
+  };
+  const Intervals found = intervals_of(work, 5000);
+  EXPECT_NEAR(found.whole_ms, found.truth_ms, kExact_ms);
+  EXPECT_GE(found.sum_ms(), 0.5 * found.truth_ms);
+  EXPECT_LE(found.sum_ms(), found.whole_ms + kExact_ms);
+  for (const double ms : found.each_ms) ASSERT_GE(ms, 0.0);
+}
+
+TEST(Stopwatch, CountsNothingForAThreadThatWaitsOftenAndShortly) {
+  const auto wait = [] { std::this_thread::sleep_for(std::chrono::microseconds(1)); };
+  const Intervals found = intervals_of(wait, 500);
+  EXPECT_LE(found.sum_ms(), found.truth_ms + kExact_ms);
+  EXPECT_NEAR(found.whole_ms, found.truth_ms, kExact_ms);
 }
 
 }  // namespace
