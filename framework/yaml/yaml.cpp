@@ -13,6 +13,7 @@
 #include <weft/core/text_file.hpp>
 
 #include "yaml/builder.hpp"
+#include "yaml/quick_reader.hpp"
 #include "yaml/text.hpp"
 
 namespace weft::yaml {
@@ -165,6 +166,9 @@ Result<Document> parse(std::string_view text_bytes, std::string file_name) {
   const Text text(text_bytes);
   if (const auto fault = text.check()) return syntax_error(text, *fault, file_name);
 
+  if (auto root = detail::read_quickly(text.bytes())) {
+    return Document{*std::move(root), std::move(file_name), {}};
+  }
   std::vector<Problem> problems = text.directive_problems();
   std::string feed = feed_of(text.bytes());
   Document document;
