@@ -10,32 +10,28 @@
 
 namespace weft::inference {
 
-/// The forward pass of an ONNX file with OpenCV's module dnn on the processor.
+/// The forward pass of an ONNX file on the processor.
 class Engine {
  public:
-  /// Reads and checks the file with read_onnx(), and hands it to OpenCV.
-  static Result<Engine> open(const OnnxFile& file, const std::vector<std::string>& outputs);
+  /// Reads and checks the file with read_onnx(), and loads it into the library.
+  static Result<std::unique_ptr<Engine>> open(const OnnxFile& file,
+                                              const std::vector<std::string>& outputs,
+                                              Runtime runtime);
 
-  Engine(Engine&&) noexcept;
-  Engine& operator=(Engine&&) noexcept;
-  ~Engine();
+  /// Fails if the library cannot be opened.
+  static Result<void> check(Runtime runtime);
+
+  virtual ~Engine() = default;
 
   /// The outputs, in the order of open(), for an image f32 [height,width,channels]; the next call
-  /// overwrites them. The network runs on OpenCV's pool if `threads` is at least its size, else on
-  /// the calling thread. The size of the pool stays as it is.
-  Result<std::vector<cv::Mat>> run(const cv::Mat& image, int threads);
-
-  /// Fails if the output `name` has a number that is not finite.
-  Result<void> check_finite(const cv::Mat& output, const std::string& name) const;
-
- private:
-  struct Net;
-  Engine(OnnxFile file, std::vector<std::string> outputs);
-
-  OnnxFile file_;
-  std::vector<std::string> outputs_;
-  std::unique_ptr<Net> net_;
+  /// overwrites them. OpenCV runs the network on its pool if `threads` is at least the size of the
+  /// pool, else on the calling thread. The size of the pool stays as it is. ONNX Runtime uses up to
+  /// `threads` threads; a call with another number than the call before loads the network again.
+  virtual Result<std::vector<cv::Mat>> run(const cv::Mat& image, int threads) = 0;
 };
+
+/// Fails if the output `name` has a number that is not finite.
+Result<void> check_finite(const OnnxFile& file, const cv::Mat& output, const std::string& name);
 
 /// The length of each axis, as "1 x 6 x 30 x 40".
 std::string size_text(const cv::Mat& output);

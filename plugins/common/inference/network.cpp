@@ -11,20 +11,20 @@ constexpr double kGrey = 128.0;
 
 }  // namespace
 
-Network::Network(NetworkFile file, Engine engine)
+Network::Network(NetworkFile file, std::unique_ptr<Engine> engine)
     : file_(std::move(file)), engine_(std::move(engine)) {}
 
-Result<void> Network::check(const std::string& path) {
+Result<void> Network::check(const std::string& path, Runtime runtime) {
   const auto file = read_network_file(path);
   if (!file) return file.error();
-  const auto bytes = read_onnx(*file, file->outputs());
+  const auto bytes = read_onnx(*file, file->outputs(), runtime);
   return bytes ? Result<void>() : bytes.error();
 }
 
-Result<Network> Network::open(const std::string& path) {
+Result<Network> Network::open(const std::string& path, Runtime runtime) {
   auto file = read_network_file(path);
   if (!file) return file.error();
-  auto engine = Engine::open(*file, file->outputs());
+  auto engine = Engine::open(*file, file->outputs(), runtime);
   if (!engine) return engine.error();
   Network network(*std::move(file), *std::move(engine));
   const cv::Mat grey(static_cast<int>(network.file_.camera.height_px),
@@ -49,13 +49,13 @@ Result<cv::Mat> Network::flattened(const cv::Mat& output, const std::string& nam
                                          " describes 1 x " + std::to_string(channels) + " x " +
                                          expected + ": correct the yaml file"};
   }
-  if (auto finite = engine_.check_finite(output, name); !finite) return finite.error();
+  if (auto finite = check_finite(file_, output, name); !finite) return finite.error();
   // A copy: OpenCV does not document that later calls leave earlier outputs as they are.
   return output.reshape(1, channels).clone();
 }
 
 Result<NetworkMaps> Network::run(const cv::Mat& rgb, int threads) {
-  const auto outputs = engine_.run(rgb, threads);
+  const auto outputs = engine_->run(rgb, threads);
   if (!outputs) return outputs.error();
   const auto cells = flattened(outputs->at(0), file_.cells.output, NetworkMaps::kCellChannels,
                                file_.cells.rows, file_.cells.columns, true);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <opencv2/core.hpp>
 #include <string>
 
@@ -25,29 +26,28 @@ struct NetworkMaps {
   cv::Mat vertices;  ///< f32 [3, rows * columns], nodes row by row
 };
 
-/// A network that OpenCV runs on the processor.
+/// A network that runs on the processor.
 class Network {
  public:
   /// Reads the file NAME.yaml and the ONNX file that it names. Runs the network once on a grey
   /// image and fails unless its outputs have the sizes of the file and are finite.
-  static Result<Network> open(const std::string& path);
+  static Result<Network> open(const std::string& path, Runtime runtime = Runtime::opencv);
 
   /// Reads and checks both files without running the network, for checks before a run.
-  static Result<void> check(const std::string& path);
+  static Result<void> check(const std::string& path, Runtime runtime = Runtime::opencv);
 
   const NetworkFile& file() const { return file_; }
 
-  /// `rgb` is f32 [height,width,3], 0 to 255. The network runs on OpenCV's pool if `threads` is at
-  /// least its size, else on the calling thread. The size of the pool stays as it is.
+  /// `rgb` is f32 [height,width,3], 0 to 255. For the threads see Engine::run().
   Result<NetworkMaps> run(const cv::Mat& rgb, int threads);
 
  private:
-  Network(NetworkFile file, Engine engine);
+  Network(NetworkFile file, std::unique_ptr<Engine> engine);
   Result<cv::Mat> flattened(const cv::Mat& output, const std::string& name, int channels, int rows,
                             int columns, bool is_grid) const;
 
   NetworkFile file_;
-  Engine engine_;
+  std::unique_ptr<Engine> engine_;
 };
 
 }  // namespace weft::inference

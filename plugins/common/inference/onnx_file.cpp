@@ -13,7 +13,8 @@ constexpr std::uint64_t kMostOnnxBytes = std::uint64_t{1} << 29U;
 
 }  // namespace
 
-Result<std::string> read_onnx(const OnnxFile& file, const std::vector<std::string>& outputs) {
+Result<std::string> read_onnx(const OnnxFile& file, const std::vector<std::string>& outputs,
+                              Runtime runtime) {
   auto bytes = read_text_file(file.onnx_path, kMostOnnxBytes);
   if (!bytes) {
     return Error{bytes.error().code, file.onnx_path + ": " + unreadable_text(bytes.error()) +
@@ -25,7 +26,7 @@ Result<std::string> read_onnx(const OnnxFile& file, const std::vector<std::strin
                                          file.onnx_hash +
                                          "; copy both files again, or correct onnx_hash"};
   }
-  const auto contents = scan_onnx(*bytes);
+  const auto contents = scan_onnx(*bytes, runtime);
   if (!contents) {
     return Error{contents.error().code, file.onnx_path + ": " + contents.error().message};
   }

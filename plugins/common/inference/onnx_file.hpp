@@ -5,6 +5,8 @@
 #include <vector>
 #include <weft/core/result.hpp>
 
+#include "common/inference/runtime.hpp"
+
 namespace weft::inference {
 
 /// An ONNX file and the yaml file that describes it.
@@ -16,7 +18,8 @@ struct OnnxFile {
 };
 
 /// Reads the ONNX file. Fails unless its hash is that of the yaml file and it has these outputs.
-/// scan_onnx() must find its contents safe to hand to OpenCV.
-Result<std::string> read_onnx(const OnnxFile& file, const std::vector<std::string>& outputs);
+/// scan_onnx() must find its contents safe to hand to the library.
+Result<std::string> read_onnx(const OnnxFile& file, const std::vector<std::string>& outputs,
+                              Runtime runtime = Runtime::opencv);
 
 }  // namespace weft::inference

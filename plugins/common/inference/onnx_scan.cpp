@@ -13,13 +13,14 @@ namespace {
 
 // Numbers of the fields in onnx.proto.
 namespace model_field {
-constexpr std::uint32_t kGraph = 7, kOpset = 8;
+constexpr std::uint32_t kGraph = 7, kOpset = 8, kFunctions = 25;
 }
 namespace graph_field {
 constexpr std::uint32_t kNode = 1, kInitializer = 5, kInput = 11, kOutput = 12, kSparse = 15;
 }
 namespace node_field {
-constexpr std::uint32_t kInput = 1, kOutput = 2, kName = 3, kOperator = 4, kAttribute = 5;
+constexpr std::uint32_t kInput = 1, kOutput = 2, kName = 3, kOperator = 4, kAttribute = 5,
+                        kDomain = 7;
 }
 namespace attribute_field {
 constexpr std::uint32_t kTensor = 5, kGraph = 6, kTensors = 10, kGraphs = 11;
@@ -39,8 +40,15 @@ constexpr std::string_view kElementwise[] = {
 constexpr std::string_view kShapes[] = {
     "Concat",     "Constant",  "DepthToSpace", "Expand", "Flatten", "Pad",     "ReduceL2",
     "ReduceMean", "ReduceSum", "Reshape",      "Shape",  "Slice",   "Squeeze", "Transpose"};
+// The beginnings of the names of operators that draw random numbers.
+constexpr std::string_view kRandom[] = {"Bernoulli", "Multinomial", "Random"};
 
-bool is_known(std::string_view op) {
+bool is_known(std::string_view op, Runtime runtime) {
+  if (runtime == Runtime::onnxruntime) {
+    return !op.empty() &&
+           std::none_of(std::begin(kRandom), std::end(kRandom),
+                        [&](std::string_view random) { return op.starts_with(random); });
+  }
   const auto has = [&](const auto& list) {
     return std::find(std::begin(list), std::end(list), op) != std::end(list);
   };
@@ -49,7 +57,7 @@ bool is_known(std::string_view op) {
 
 class Scan {
  public:
-  explicit Scan(std::size_t file_bytes) : file_bytes_(file_bytes) {}
+  Scan(std::size_t file_bytes, Runtime runtime) : file_bytes_(file_bytes), runtime_(runtime) {}
 
   Result<void> model(std::string_view bytes) {
     bool has_graph = false, has_opset = false;
@@ -57,6 +65,9 @@ class Scan {
       const auto field = reader.next();
       if (!field) return damaged("the model");
       has_opset = has_opset || field->number == model_field::kOpset;
+      if (field->number == model_field::kFunctions) {
+        return refused("has functions: export the network with their operators instead");
+      }
       if (field->number != model_field::kGraph) continue;
       if (has_graph || field->kind != WireField::Kind::bytes) return damaged("the model");
       has_graph = true;
@@ -109,7 +120,7 @@ class Scan {
   }
 
   Result<void> node(std::string_view bytes) {
-    std::string op, name;
+    std::string op, name, domain;
     std::size_t inputs = 0, outputs = 0;
     for (WireReader reader(bytes); !reader.at_end();) {
       const auto field = reader.next();
@@ -118,13 +129,16 @@ class Scan {
       if (field->number == node_field::kOutput) ++outputs;
       if (field->number == node_field::kName) name = std::string(field->bytes);
       if (field->number == node_field::kOperator) op = std::string(field->bytes);
+      if (field->number == node_field::kDomain) domain = std::string(field->bytes);
       if (field->number != node_field::kAttribute) continue;
       if (auto read = attribute(field->bytes); !read) return read;
     }
-    if (!is_known(op)) {
-      return Error{Errc::unsupported, "has the operator " + shown(op) + " (node " + shown(name) +
-                                          "), which is not supported: export the network without "
-                                          "it"};
+    if (!is_known(op, runtime_) || !(domain.empty() || domain == "ai.onnx")) {
+      return Error{Errc::unsupported,
+                   "has the operator " + shown(op) +
+                       (domain.empty() ? "" : " of " + shown(domain)) + " (node " + shown(name) +
+                       "), which is not supported: export the network " + "without it" +
+                       (runtime_ == Runtime::opencv ? ", or use runtime: onnxruntime" : "")};
     }
     if (outputs == 0 || (inputs == 0 && op != "Constant")) {
       return refused("has a node " + shown(name) + " (" + op +
@@ -158,6 +172,7 @@ class Scan {
   }
 
   std::uint64_t file_bytes_;
+  Runtime runtime_;
 };
 
 std::string listed(const std::vector<std::string>& names) {
@@ -170,9 +185,13 @@ std::string listed(const std::vector<std::string>& names) {
 
 }  // namespace
 
-Result<OnnxContents> scan_onnx(std::string_view bytes) {
+Result<OnnxContents> scan_onnx(std::string_view bytes, Runtime runtime) {
   if (bytes.empty()) return refused("is empty: give an ONNX file");
-  Scan scan(bytes.size());
+  // ONNX Runtime reads files with this mark in another format, which is not scanned.
+  if (bytes.substr(std::min<std::size_t>(bytes.size(), 4)).starts_with("ORTM")) {
+    return refused("has the format ORT: give the ONNX file");
+  }
+  Scan scan(bytes.size(), runtime);
   if (auto read = scan.model(bytes); !read) return read.error();
   return std::move(scan.contents);
 }

@@ -95,13 +95,13 @@ double sigma_px(const SeenCell& cell, double least_px, double most_px) {
   return sigma < most_px ? std::max(sigma, least_px) : most_px;  // also for NaN
 }
 
-Result<void> Registration::prepare(const std::string& path, const Template& templ,
+Result<void> Registration::prepare(const NetworkChoice& choice, const Template& templ,
                                    const Camera& camera) {
-  if (!network_ || path_ != path) {
-    auto opened = Network::open(path);
+  if (!network_ || path_ != choice.path) {
+    auto opened = Network::open(choice.path, choice.runtime);
     if (!opened) return about("network", opened.error());
     network_.emplace(*std::move(opened));
-    path_ = path;
+    path_ = choice.path;
     map_.reset();
     checked_revision_ = 0;
   }

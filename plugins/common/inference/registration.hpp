@@ -11,7 +11,7 @@
 #include <weft/data/template.hpp>
 
 #include "common/inference/input_map.hpp"
-#include "common/inference/network.hpp"
+#include "common/inference/network_choice.hpp"
 #include "common/inference/same_template.hpp"
 
 namespace weft::inference {
@@ -32,7 +32,7 @@ struct SeenCell {
 class Registration {
  public:
   /// Opens the network on the first call. Checks template and camera whenever they change.
-  Result<void> prepare(const std::string& path, const Template& templ, const Camera& camera);
+  Result<void> prepare(const NetworkChoice& choice, const Template& templ, const Camera& camera);
 
   /// The output for a frame of this camera; requires prepare().
   Result<NetworkMaps> run(const Image& image, int threads);

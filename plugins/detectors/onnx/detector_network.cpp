@@ -25,26 +25,27 @@ int step_of(cv::Size image_px, int height, int width) {
 /// The output [1,N,D] or [N,D] as [N,D]; empty if it has another size.
 cv::Mat as_rows(const cv::Mat& output) {
   if (output.dims == 2) return output;
-  if (output.empty() || output.dims != 3 || output.size[0] != 1) return {};
+  if (output.dims != 3 || output.size[0] != 1) return {};
+  if (output.empty()) return cv::Mat(output.size[1], output.size[2], CV_32F);
   return output.reshape(1, output.size[1]);
 }
 
 }  // namespace
 
-DetectorNetwork::DetectorNetwork(DetectorFile file, inference::Engine engine)
+DetectorNetwork::DetectorNetwork(DetectorFile file, std::unique_ptr<inference::Engine> engine)
     : file_(std::move(file)), engine_(std::move(engine)) {}
 
-Result<void> DetectorNetwork::check(const std::string& path) {
+Result<void> DetectorNetwork::check(const std::string& path, inference::Runtime runtime) {
   const auto file = read_detector_file(path);
   if (!file) return file.error();
-  const auto bytes = inference::read_onnx(*file, file->outputs());
+  const auto bytes = inference::read_onnx(*file, file->outputs(), runtime);
   return bytes ? Result<void>() : bytes.error();
 }
 
-Result<DetectorNetwork> DetectorNetwork::open(const std::string& path) {
+Result<DetectorNetwork> DetectorNetwork::open(const std::string& path, inference::Runtime runtime) {
   auto file = read_detector_file(path);
   if (!file) return file.error();
-  auto engine = inference::Engine::open(*file, file->outputs());
+  auto engine = inference::Engine::open(*file, file->outputs(), runtime);
   if (!engine) return engine.error();
   DetectorNetwork network(*std::move(file), *std::move(engine));
   const cv::Mat grey(network.file_.image.size_px, CV_32FC3, cv::Scalar::all(kGrey));
@@ -57,7 +58,7 @@ Result<void> DetectorNetwork::run(const cv::Mat& rgb, int threads) {
   if (file_.image.is_grey) cv::cvtColor(rgb, image, cv::COLOR_RGB2GRAY);
   cv::Mat values;
   image.convertTo(values, CV_32F, file_.image.scale, file_.image.offset);
-  auto outputs = engine_.run(values, threads);
+  auto outputs = engine_->run(values, threads);
   if (!outputs) return outputs.error();
   outputs_ = *std::move(outputs);
   return check_outputs();
@@ -81,7 +82,7 @@ Result<void> DetectorNetwork::check_outputs() {
   auto sized = file_.heat_map ? check_heat_map() : check_list();
   if (!sized) return sized;
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
-    if (auto finite = engine_.check_finite(outputs_[i], names[i]); !finite) return finite;
+    if (auto finite = inference::check_finite(file_, outputs_[i], names[i]); !finite) return finite;
   }
   return {};
 }
@@ -117,11 +118,11 @@ Result<void> DetectorNetwork::check_list() {
   }
   if (outputs_.size() > kScores) {
     cv::Mat& scores = outputs_[kScores];
-    const bool is_list = scores.dims == 2 && std::min(scores.rows, scores.cols) == 1;
+    const bool is_list = scores.dims == 2 && std::min(scores.rows, scores.cols) <= 1;
     if (!is_list || static_cast<int>(scores.total()) != keypoints.rows) {
       return other_size(kScores, "1 x " + count + " scores of as many keypoints");
     }
-    scores = scores.reshape(1, keypoints.rows);
+    if (!scores.empty()) scores = scores.reshape(1, keypoints.rows);
   }
   outputs_[kKeypoints] = keypoints;
   outputs_[kDescriptors] = descriptors;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -16,10 +17,10 @@ class DetectorNetwork {
  public:
   /// Reads the file NAME.yaml and the ONNX file that it names. Runs the network once on a grey
   /// image and fails unless its outputs have the sizes of the file and are finite.
-  static Result<DetectorNetwork> open(const std::string& path);
+  static Result<DetectorNetwork> open(const std::string& path, inference::Runtime runtime);
 
   /// Reads and checks both files without running the network, for checks before a run.
-  static Result<void> check(const std::string& path);
+  static Result<void> check(const std::string& path, inference::Runtime runtime);
 
   const DetectorFile& file() const { return file_; }
 
@@ -37,7 +38,7 @@ class DetectorNetwork {
                       const std::vector<int>& list) const;
 
  private:
-  DetectorNetwork(DetectorFile file, inference::Engine engine);
+  DetectorNetwork(DetectorFile file, std::unique_ptr<inference::Engine> engine);
   Result<void> check_outputs();
   Result<void> check_heat_map();
   Result<void> check_list();
@@ -45,7 +46,7 @@ class DetectorNetwork {
   Peak listed(int n) const;
 
   DetectorFile file_;
-  inference::Engine engine_;
+  std::unique_ptr<inference::Engine> engine_;
   std::vector<cv::Mat> outputs_;  ///< as file_.outputs()
   int step_px_ = 1;               ///< px of the image for each px of the heat map
 };

@@ -31,10 +31,12 @@ class Onnx final : public Detector {
            "maximum number of keypoints, the strongest ones spread over the image; 0: no limit");
     p.read("buckets", buckets_, "", {1, 256},
            "number of cells per side over which max_keypoints is spread; 1: no spreading");
+    inference::read_runtime(p, runtime_);
   }
 
   void check(Mistakes& mistakes) const {
-    mistakes.expect("network", DetectorNetwork::check(network_path_));
+    mistakes.expect("network", DetectorNetwork::check(network_path_, runtime_));
+    mistakes.expect("runtime", inference::Engine::check(runtime_));
   }
 
   Result<void> prepare(const PrepareInput& /*in*/) override { return open(); }
@@ -56,7 +58,7 @@ class Onnx final : public Detector {
  private:
   Result<void> open() {
     if (network_) return {};
-    auto opened = DetectorNetwork::open(network_path_);
+    auto opened = DetectorNetwork::open(network_path_, runtime_);
     if (!opened) return about("network", opened.error());
     network_.emplace(*std::move(opened));
     return {};
@@ -93,6 +95,7 @@ class Onnx final : public Detector {
   }
 
   std::string network_path_;
+  inference::Runtime runtime_ = inference::Runtime::opencv;
   double threshold_ = 0.01;
   int max_keypoints_ = 4000;
   int buckets_ = 16;

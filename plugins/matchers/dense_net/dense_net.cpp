@@ -40,12 +40,12 @@ class DenseNet final : public Matcher {
   void check(Mistakes& mistakes) const { choice_.check(mistakes); }
 
   Result<void> prepare(const PrepareInput& in) override {
-    return registration_.prepare(choice_.path, in.templ, in.camera);
+    return registration_.prepare(choice_, in.templ, in.camera);
   }
 
   Result<Correspondences> match(const MatcherInput& in) override {
     if (!in.image || !in.templ || !in.camera) return no_result("there is no image");
-    auto ready = registration_.prepare(choice_.path, *in.templ, *in.camera);
+    auto ready = registration_.prepare(choice_, *in.templ, *in.camera);
     if (!ready) return ready.error();
     const auto maps = registration_.run(*in.image, in.call.threads());
     if (!maps) return maps.error();

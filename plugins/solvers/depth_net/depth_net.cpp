@@ -81,7 +81,7 @@ class DepthNet final : public Solver {
 
  private:
   Result<void> prepare_sheet(const Template& templ, const Camera& camera) {
-    if (auto ready = registration_.prepare(choice_.path, templ, camera); !ready) return ready;
+    if (auto ready = registration_.prepare(choice_, templ, camera); !ready) return ready;
     if (sheet_ && templ.revision != 0 && templ.revision == sheet_revision_) return {};
     sheet_.reset();
     auto made = RestSheet::create(templ, registration_.sheet());

@@ -51,12 +51,12 @@ class MeshNet final : public Solver {
   void check(Mistakes& mistakes) const { choice_.check(mistakes); }
 
   Result<void> prepare(const PrepareInput& in) override {
-    return registration_.prepare(choice_.path, in.templ, in.camera);
+    return registration_.prepare(choice_, in.templ, in.camera);
   }
 
   Result<Shape> solve(const SolverInput& in) override {
     if (!in.image) return Error{Errc::invalid_data, "needs 'image'"};
-    auto ready = registration_.prepare(choice_.path, in.templ, in.camera);
+    auto ready = registration_.prepare(choice_, in.templ, in.camera);
     if (!ready) return ready.error();
     const auto maps = registration_.run(*in.image, in.call.threads());
     if (!maps) return maps.error();

@@ -82,12 +82,13 @@ struct OnnxNode {
   std::vector<std::string> inputs, outputs;
   std::vector<std::pair<std::string, std::vector<std::int64_t>>> lists{};
   std::vector<std::pair<std::string, std::int64_t>> numbers{};
+  std::string domain{};
 
   std::string bytes() const {
     WireWriter node;
     for (const std::string& input : inputs) node.text(1, input);
     for (const std::string& output : outputs) node.text(2, output);
-    node.text(3, op + "_" + outputs.front()).text(4, op);
+    node.text(3, op + "_" + outputs.front()).text(4, op).text(7, domain);
     for (const auto& [name, values] : lists) {
       WireWriter attribute;
       attribute.text(1, name);
@@ -104,15 +105,17 @@ struct OnnxNode {
   }
 };
 
-/// A float32 input or output of the network.
+/// An input or output of the network.
 struct OnnxValue {
   std::string name;
   std::vector<std::uint64_t> dims;
+  ElementType type = ElementType::f32;
 
   std::string bytes() const {
     WireWriter shape;
     for (const std::uint64_t dim : dims) shape.text(1, WireWriter().number(1, dim).bytes());
-    const std::string tensor = WireWriter().number(1, 1).text(2, shape.bytes()).bytes();
+    const std::string tensor =
+        WireWriter().number(1, static_cast<std::uint64_t>(type)).text(2, shape.bytes()).bytes();
     return WireWriter().text(1, name).text(2, WireWriter().text(1, tensor).bytes()).bytes();
   }
 };
@@ -121,6 +124,7 @@ struct OnnxModel {
   std::vector<OnnxNode> nodes;
   std::vector<OnnxTensor> tensors;
   std::vector<OnnxValue> inputs, outputs;
+  std::uint64_t opset = 11;
 
   std::string bytes() const {
     WireWriter graph;
@@ -131,7 +135,7 @@ struct OnnxModel {
     for (const OnnxValue& output : outputs) graph.text(12, output.bytes());
     WireWriter model;
     model.number(1, 6).text(2, "weft").text(7, graph.bytes());
-    return model.text(8, WireWriter().text(1, "").number(2, 11).bytes()).bytes();
+    return model.text(8, WireWriter().text(1, "").number(2, opset).bytes()).bytes();
   }
 };
 

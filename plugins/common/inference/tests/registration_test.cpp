@@ -30,7 +30,7 @@ struct RegistrationTest : ::testing::Test {
     return image;
   }
   std::vector<SeenCell> seen() {
-    const auto ready = registration.prepare(network.write(folder), templ, camera);
+    const auto ready = registration.prepare({network.write(folder)}, templ, camera);
     EXPECT_TRUE(ready) << ready.error().message;
     const auto maps = registration.run(grey(), 1);
     EXPECT_TRUE(maps) << maps.error().message;
@@ -93,19 +93,19 @@ TEST_F(RegistrationTest, HasFiniteErrorsAndDepthsForAnyLogarithms) {
 
 TEST_F(RegistrationTest, NeedsTheTemplateAndTheCameraOfItsTraining) {
   const std::string path = network.write(folder);
-  ASSERT_TRUE(registration.prepare(path, templ, camera));
+  ASSERT_TRUE(registration.prepare({path}, templ, camera));
   Template other = weft::testing::make_template({.width_m = 0.3});
-  const auto refused = registration.prepare(path, other, camera);
+  const auto refused = registration.prepare({path}, other, camera);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("trained for another template"));
   camera.fx = camera.fy = 2000.0;
-  const auto narrow = registration.prepare(path, templ, camera);
+  const auto narrow = registration.prepare({path}, templ, camera);
   ASSERT_FALSE(narrow);
   EXPECT_THAT(narrow.error().message, HasSubstr("of the field that the network"));
 }
 
 TEST_F(RegistrationTest, RefusesAnImageOfAnotherSize) {
-  ASSERT_TRUE(registration.prepare(network.write(folder), templ, camera));
+  ASSERT_TRUE(registration.prepare({network.write(folder)}, templ, camera));
   Image image = grey();
   image.pixels = Array<std::uint8_t>({480, 641}, 0);
   const auto refused = registration.run(image, 1);

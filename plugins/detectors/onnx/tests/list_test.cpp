@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <cstdlib>
 #include <list>
 
 #include "common/tests/scenes.hpp"
@@ -123,6 +124,50 @@ TEST_F(OnnxList, HasUnitOrBinaryDescriptorsOnRequest) {
   EXPECT_EQ(bits.binary_descriptors(0, 0), 0b11000000);
   EXPECT_EQ(bits.binary_descriptors(1, 0), 0b01000000);
   EXPECT_EQ(bits.binary_descriptors(2, 0), 0);
+}
+
+/// The network selects the keypoints whose score is not 0, by operators that OpenCV lacks.
+TEST_F(OnnxList, MayHaveAnyLengthWithOnnxRuntime) {
+  if (std::getenv("WEFT_ONNXRUNTIME") == nullptr) {
+    GTEST_SKIP() << "WEFT_ONNXRUNTIME is not set: no ONNX Runtime";
+  }
+  const auto answer = [&](const std::vector<float>& scores) {
+    network.scores = scores;
+    inference::testing::OnnxModel model = network.model();
+    model.opset = 13;
+    const std::vector<std::int64_t> one = {1};
+    model.tensors.push_back(
+        {"one", {}, inference::testing::raw(one), inference::testing::ElementType::i64});
+    for (std::size_t i = model.nodes.size() - 5; i < model.nodes.size(); i += 2) {
+      model.nodes[i].outputs[0] += "_of_all";
+    }
+    model.nodes.push_back({"NonZero", {"scores_of_all"}, {"places"}});
+    model.nodes.push_back({"Gather", {"places", "one"}, {"selected"}, {}, {{"axis", 0}}});
+    for (const std::string name : {"keypoints", "scores", "descriptors"}) {
+      model.nodes.push_back({"Gather", {name + "_of_all", "selected"}, {name}, {}, {{"axis", 1}}});
+    }
+    PluginUnderTest& plugin = plugins.emplace_back(
+        "detectors/onnx", "{network: " + network.write(folder, model) + ", runtime: onnxruntime}");
+    return plugin.process(0, {weft::testing::input("image", constant_image(160, 120))});
+  };
+  const auto two = answer({0.9F, 0.0F, 0.5F});
+  ASSERT_EQ(two.status, WEFT_OK) << two.message;
+  const Keypoints keypoints = two.get<Keypoints>().value();
+  ASSERT_EQ(keypoints.count(), 2);
+  EXPECT_NEAR(keypoints.xy_px(1, 0), 80.0, 1e-4);
+  EXPECT_EQ(keypoints.descriptors(1, 1), -0.5F);
+  const auto none = answer({0.0F, 0.0F, 0.0F});
+  EXPECT_EQ(none.status, WEFT_DEGENERATE) << none.message;
+  EXPECT_EQ(none.message, "no keypoints");
+}
+
+TEST_F(OnnxList, NamesTheRuntimeThatCannotBeOpened) {
+  const inference::testing::Variable library("WEFT_ONNXRUNTIME", "/none.so");
+  PluginUnderTest plugin("detectors/onnx",
+                         "{network: " + network.write(folder) + ", runtime: onnxruntime}");
+  const auto refused = plugin.process(0, {weft::testing::input("image", constant_image(160, 120))});
+  EXPECT_EQ(refused.status, WEFT_ERROR);
+  EXPECT_THAT(refused.message, ::testing::HasSubstr("ONNX Runtime cannot be opened: /none.so"));
 }
 
 }  // namespace
