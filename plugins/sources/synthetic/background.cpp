@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <weft/core/index.hpp>
 #include <weft/core/rng.hpp>
 #include <weft/core/stop_check.hpp>
@@ -23,6 +24,13 @@ struct Thing {
     const double distance = std::hypot(dx - s * along_x, dy - s * along_y) - radius;
     const double t = std::clamp(0.5 - 0.5 * distance / blur, 0.0, 1.0);
     return t * t * (3.0 - 2.0 * t);
+  }
+
+  /// False only where the coverage is 0. `along` is along_x or along_y, `from` the distance from x
+  /// or y.
+  bool may_cover(double from, double along) const {
+    constexpr double kRounding = 1.0;
+    return std::abs(from) <= half_length * std::abs(along) + radius + blur + kRounding;
   }
 };
 
@@ -57,15 +65,22 @@ scene::Picture draw_background(int width, int height, std::uint64_t seed) {
   const std::vector<Thing> things = draw_things(width, height, rng);
   scene::Picture picture{width, height};
   picture.pixels.reserve(to_index(width) * to_index(height));
+  std::vector<Thing> in_row;
   for (int y = 0; y < height; ++y) {
     ask_to_go_on();
+    in_row.clear();
+    std::copy_if(things.begin(), things.end(), std::back_inserter(in_row),
+                 [&](const Thing& thing) { return thing.may_cover(y - thing.y, thing.along_y); });
     for (int x = 0; x < width; ++x) {
       double value = 92.0, amplitude = 34.0;
       for (const scene::ValueNoise& layer : layers) {
         value += amplitude * layer(x, y);
         amplitude *= 0.55;
       }
-      for (const Thing& thing : things) value += thing.grey * thing.coverage(x, y);
+      for (const Thing& thing : in_row) {
+        if (!thing.may_cover(x - thing.x, thing.along_x)) continue;
+        value += thing.grey * thing.coverage(x, y);
+      }
       const double grey = std::clamp(value, 12.0, 230.0);
       picture.pixels.emplace_back(scene::Colour::Constant(static_cast<float>(grey)));
     }
