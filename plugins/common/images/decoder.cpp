@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/images/decoder.hpp"
 
-#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "common/images/jpeg_decoder.hpp"
+#include "common/images/opencv_codecs.hpp"
 #include "common/images/png_decoder.hpp"
 
 namespace weft::image_files {
@@ -23,21 +23,6 @@ std::string without_orientation(const std::string& tiff) {
   return plain;
 }
 
-/// The log of OpenCV, to which libtiff reports, is silenced for good, as for films. The messages
-/// that OpenCV itself prints for exceptions in its decoders cannot be disabled.
-cv::Mat decode_by_opencv(const std::string& bytes, Channels channels) {
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
-  const int flags = channels == Channels::grey
-                        ? cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION
-                        : cv::IMREAD_UNCHANGED;
-  try {
-    if (!bytes.empty()) return cv::imdecode(buffer, flags);
-  } catch (const cv::Exception&) {  // reported by the caller: the file is at fault
-  }
-  return {};
-}
-
 }  // namespace
 
 Decoded decode_stored(const ImageFile& file, Channels channels) {
@@ -49,7 +34,10 @@ Decoded decode_stored(const ImageFile& file, Channels channels) {
   }
   if (bytes.starts_with("\x89PNG")) return {decode_png(bytes, channels == Channels::grey), {}};
   const bool turned = file.header.orientation != 1;
-  return {decode_by_opencv(turned ? without_orientation(bytes) : bytes, channels), {}};
+  const int flags = channels == Channels::grey
+                        ? cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION
+                        : cv::IMREAD_UNCHANGED;
+  return {decode_by_opencv(turned ? without_orientation(bytes) : bytes, flags), {}};
 }
 
 Decoded decode_upright(const ImageFile& file, Channels channels) {

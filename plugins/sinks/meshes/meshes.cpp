@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <weft/core/index.hpp>
 #include <weft/core/whole_file.hpp>
 #include <weft/data/matrix.hpp>
 #include <weft/sdk/sink.hpp>
 
+#include "common/images/opencv_codecs.hpp"
 #include "common/output_folder/output_folder.hpp"
 #include "mesh_text.hpp"
 
@@ -48,8 +48,8 @@ class Meshes final : public Sink {
     const cv::Mat pixels(static_cast<int>(texture.dim(0)), static_cast<int>(texture.dim(1)),
                          texture.ndim() == 2 ? CV_8UC1 : CV_8UC3,
                          const_cast<std::uint8_t*>(texture.data()), to_index(texture.row_stride()));
-    std::vector<std::uint8_t> png;
-    if (!cv::imencode(".png", pixels, png)) {
+    const std::vector<std::uint8_t> png = image_files::encode_by_opencv(".png", pixels);
+    if (png.empty()) {
       return Error{Errc::unsupported, "the template's texture cannot be written as PNG"};
     }
     texture_png_.assign(png.begin(), png.end());

@@ -4,6 +4,7 @@
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
+#include <libavutil/log.h>
 #include <libavutil/opt.h>
 }
 
@@ -16,9 +17,8 @@ extern "C" {
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <weft/core/index.hpp>
+#include <weft/core/stop_check.hpp>
 #include <weft/core/whole_file.hpp>
-
-#include "common/films/packets.hpp"
 
 namespace weft::overlay {
 namespace {
@@ -74,7 +74,7 @@ Error MediaFile::failure(int code) const {
 Result<void> MediaFile::open(const std::string& path, double fps, cv::Size size) {
   path_ = path;
   failed_ = {};
-  films::quiet_decoders();
+  av_log_set_callback(nullptr);
   auto started = start(path, fps, size);
   if (!started) state_.reset();
   return started;
@@ -204,6 +204,22 @@ Result<void> MediaFile::close() {
   if (const int closed = avio_closep(&s.format->pb); code >= 0) code = closed;
   state_.reset();
   return !failed_ || code >= 0 ? failed_ : Result<void>(failure(code));
+}
+
+std::int64_t MediaFile::count_images(const std::string& path) {
+  av_log_set_callback(nullptr);
+  AVFormatContext* format = nullptr;  // none where opening fails
+  AVPacket* packet = av_packet_alloc();
+  std::int64_t count = 0;
+  if (avformat_open_input(&format, ("file:" + path).c_str(), nullptr, nullptr) >= 0) {
+    for (; av_read_frame(format, packet) >= 0; ++count) {
+      av_packet_unref(packet);
+      worked(1000);
+    }
+  }
+  av_packet_free(&packet);
+  avformat_close_input(&format);
+  return count;
 }
 
 }  // namespace weft::overlay

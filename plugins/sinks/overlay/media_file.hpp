@@ -35,6 +35,9 @@ class MediaFile {
   /// Completes and closes the file, whatever comes of it.
   Result<void> close();
 
+  /// How many images a video file has.
+  static std::int64_t count_images(const std::string& path);
+
  private:
   struct State;
 

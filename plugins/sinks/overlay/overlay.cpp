@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <weft/core/index.hpp>
 #include <weft/core/whole_file.hpp>
@@ -15,6 +14,8 @@
 #include <weft/sdk/sink.hpp>
 
 #include "caption.hpp"
+#include "common/images/jpeg_encoder.hpp"
+#include "common/images/opencv_codecs.hpp"
 #include "drawing.hpp"
 #include "job_thread.hpp"
 #include "side_view.hpp"
@@ -245,9 +246,12 @@ class Overlay final : public Sink {
     char name[32];
     std::snprintf(name, sizeof name, "%06llu", static_cast<unsigned long long>(frame));
     const fs::path path = fs::path(stills_path_) / (name + extension);
-    std::vector<std::uint8_t> bytes;
-    if (!cv::imencode(extension, still_of(canvas), bytes)) {
-      return Error{Errc::unsupported, "OpenCV cannot write the frame as " + extension};
+    constexpr int kQuality = 95;
+    const std::vector<std::uint8_t> bytes =
+        stills_format_ == Format::png ? image_files::encode_by_opencv(extension, still_of(canvas))
+                                      : image_files::encode_jpeg(still_of(canvas), kQuality);
+    if (bytes.empty()) {
+      return Error{Errc::unsupported, "the frame cannot be written as " + extension};
     }
     std::error_code status;
     fs::create_directories(path.parent_path(), status);  // writing reports why it cannot

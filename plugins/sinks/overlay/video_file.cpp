@@ -2,10 +2,9 @@
 #include "video_file.hpp"
 
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 #include <weft/core/whole_file.hpp>
 
-#include "common/films/packets.hpp"
+#include "common/images/jpeg_encoder.hpp"
 
 namespace weft::overlay {
 namespace {
@@ -72,18 +71,16 @@ Result<void> VideoFile::add(const cv::Mat& picture) {
 
 Result<void> VideoFile::add_encoded(const cv::Mat& picture) {
   if (media_.is_open() && !media_.takes_jpeg()) return media_.add(picture);
-  std::vector<std::uint8_t> jpeg;
   constexpr int kQuality = 95;
-  if (!cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, kQuality})) {
-    return Error{Errc::unsupported, "OpenCV cannot write the frame as JPEG"};
-  }
+  const std::vector<std::uint8_t> jpeg = image_files::encode_jpeg(picture, kQuality);
+  if (jpeg.empty()) return Error{Errc::unsupported, "the frame cannot be written as JPEG"};
   return avi_.is_open() ? avi_.add(jpeg) : media_.add(jpeg);
 }
 
 Result<void> VideoFile::close_part() {
   if (!is_open()) return {};
   if (auto closed = avi_.is_open() ? avi_.close() : media_.close(); !closed) return closed;
-  const std::int64_t found = films::count_packets(part_path_);
+  const std::int64_t found = MediaFile::count_images(part_path_);
   if (found != given_) {
     return Error{Errc::io, "the video " + part_path_ + " has " + std::to_string(found) + " of " +
                                std::to_string(given_) + " frames: is the disk full?"};

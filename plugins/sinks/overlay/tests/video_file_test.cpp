@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <opencv2/videoio.hpp>
 
 namespace {
 
