@@ -3,8 +3,6 @@
 
 #include <cstring>
 
-#include "host/describe/elf_file.hpp"
-
 namespace weft::host {
 namespace {
 
@@ -42,14 +40,18 @@ std::string build_id_in_notes(const std::vector<unsigned char>& notes) {
 Result<std::string> read_build_id(const std::string& path) {
   const auto file = ElfFile::open(path);
   if (!file) return file.error();
-  for (const Elf64_Phdr& segment : file->segments()) {
+  return build_id_of(*file);
+}
+
+std::string build_id_of(const ElfFile& file) {
+  for (const Elf64_Phdr& segment : file.segments()) {
     constexpr std::uint64_t kLargestNote = 1U << 20U;
     if (segment.p_type != PT_NOTE || segment.p_filesz > kLargestNote) continue;
     std::vector<unsigned char> notes(segment.p_filesz);
-    if (!file->read(segment.p_offset, notes.data(), notes.size())) continue;
+    if (!file.read(segment.p_offset, notes.data(), notes.size())) continue;
     if (std::string id = build_id_in_notes(notes); !id.empty()) return id;
   }
-  return std::string{};
+  return {};
 }
 
 Result<void> check_library_file(const std::string& path) {

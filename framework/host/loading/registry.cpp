@@ -23,8 +23,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// An error text about the features that a library assumes but that are missing, or an empty text.
-/// A feature that only a later Weft can name counts as missing.
+/// An error text about the features that a library assumes but that are
+/// missing, or an empty text. A feature that only a later Weft can name counts
+/// as missing.
 std::string missing_features(const std::vector<std::string>& isa) {
   std::string missing, unknown;
   for (const std::string& feature : isa) {
@@ -34,7 +35,9 @@ std::string missing_features(const std::vector<std::string>& isa) {
   }
   if (!missing.empty()) return "it needs processor features that this machine lacks: " + missing;
   if (unknown.empty()) return {};
-  return "it needs processor features that this version of Weft does not know: " + unknown;
+  return "it needs processor features that this version of Weft does not "
+         "know: " +
+         unknown;
 }
 
 std::vector<std::string> ids_of(const Manifest& manifest) {
@@ -57,8 +60,9 @@ std::string illegal_id(const Manifest& manifest) {
   return {};
 }
 
-/// A record type for which the component supports only other versions, in words, or empty. A type
-/// with another name belongs to an optional slot, which is never delivered here.
+/// A record type for which the component supports only other versions, in
+/// words, or empty. A type with another name belongs to an optional slot, which
+/// is never delivered here.
 std::string other_version(const ComponentManifest& component) {
   const auto name_of = [](std::string_view type) { return type.substr(0, type.find('/')); };
   for (const RoleMethod& method : component.rules().role.methods) {
@@ -80,7 +84,8 @@ std::string other_version(const ComponentManifest& component) {
   return {};
 }
 
-/// Why this version of Weft cannot use one component of a library that it can use, or empty.
+/// Why this version of Weft cannot use one component of a library that it can
+/// use, or empty.
 std::string unknown_part(const ComponentManifest& component) {
   if (!component.unknown.empty()) return component.unknown;
   if (std::string other = other_version(component); !other.empty()) return other;
@@ -122,19 +127,18 @@ std::optional<Refusal> check(const Manifest& manifest) {
       !mismatch.empty()) {
     return refuse("it " + mismatch, "rebuild the plugin against this version of Weft");
   }
-  const auto whole = check_library_file(manifest.library);
-  const auto build_id = whole ? read_build_id(manifest.library) : whole.error();
-  if (!build_id) {
-    return refuse("it " + build_id.error().message, "build or install the plugin again");
-  }
-  if (const auto missing = missing_sanitizer(manifest.library)) {
+  const auto file = ElfFile::open(manifest.library);
+  const auto whole = file ? check_dynamic_tables(*file) : file.error();
+  if (!whole) return refuse("it " + whole.error().message, "build or install the plugin again");
+  if (const auto missing = missing_sanitizer(*file)) {
     return refuse("it " + missing->cause, missing->fix);
   }
-  if (build_id->empty()) {
+  const std::string build_id = build_id_of(*file);
+  if (build_id.empty()) {
     return refuse("it has no build-id",
                   "link it with -Wl,--build-id=sha1, as weft_add_plugin() does");
   }
-  if (*build_id != manifest.build_id) {
+  if (build_id != manifest.build_id) {
     return refuse("its manifest belongs to another build of it",
                   "run: weft plugins describe " + shell_word(manifest.library));
   }
@@ -223,6 +227,8 @@ void Registry::scan_folder(const SearchFolder& folder) {
 }
 
 void Registry::add(const SearchFolder& folder, std::vector<Manifest> manifests) {
+  std::set<std::string, std::less<>> known;
+  for (const Installed& entry : installed_) known.insert(entry.component.id);
   std::map<std::string, std::vector<std::string>> libraries_of;
   for (const Manifest& manifest : manifests) {
     for (const std::string& id : ids_of(manifest)) libraries_of[id].push_back(manifest.library);
@@ -246,7 +252,9 @@ void Registry::add(const SearchFolder& folder, std::vector<Manifest> manifests) 
                              {component.id}});
         continue;
       }
-      const bool shadowed = find(component.id) != nullptr;
+      const bool shadowed =
+          known.contains(component.id) || known.contains(current_id(component.id));
+      known.insert(component.id);
       installed_.push_back(
           {component, library, folder.origin, shadowed, folder.path == own_folder_});
     }
@@ -280,7 +288,8 @@ std::string Registry::nearest_of_role(std::string_view id, const std::string& ro
 }
 
 std::string Registry::explain_missing(std::string_view id) const {
-  // A library bears its first id, so a file without a readable manifest is known by its name.
+  // A library bears its first id, so a file without a readable manifest is
+  // known by its name.
   std::string stem(id);
   std::replace(stem.begin(), stem.end(), '/', '_');
   for (const Refusal& refusal : refusals_) {

@@ -3,9 +3,10 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
+#include <array>
+#include <iterator>
 #include <string_view>
-
-#include "host/describe/elf_file.hpp"
 
 namespace weft::host {
 namespace {
@@ -14,8 +15,9 @@ struct Sanitizer {
   const char *name, *option;
   std::string_view symbol;   ///< symbol that instrumented code calls, or a prefix of it
   std::string_view library;  ///< how the name of GCC's runtime begins
-  const char* preloaded;  ///< Clang's runtime; null where a program not built so reports anything
-  bool comes_late;        ///< the runtime may be loaded with the library
+  const char* preloaded;     ///< Clang's runtime; null where a program not built so
+                             ///< reports anything
+  bool comes_late;           ///< the runtime may be loaded with the library
 };
 
 constexpr Sanitizer kSanitizers[] = {
@@ -28,10 +30,24 @@ constexpr Sanitizer kSanitizers[] = {
      "libclang_rt.ubsan_standalone-x86_64.so", true},
 };
 
-/// The first name that begins so, or empty.
-std::string name_with(const std::string& names, std::string_view start) {
-  const std::size_t found = names.find('\0' + std::string(start));
-  return found == std::string::npos ? std::string() : names.c_str() + found + 1;
+/// For each sanitizer the first names of a library that begin like its symbol
+/// and its runtime, or empty texts.
+struct Names {
+  std::string_view symbol, runtime;
+};
+std::array<Names, std::size(kSanitizers)> names_in(std::string_view names) {
+  std::array<Names, std::size(kSanitizers)> found{};
+  for (std::size_t end = 0; !names.empty(); names.remove_prefix(std::min(end + 1, names.size()))) {
+    end = std::min(names.find('\0'), names.size());
+    const std::string_view name = names.substr(0, end);
+    if (!name.starts_with("__") && !name.starts_with("lib")) continue;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      auto& [symbol, runtime] = found[i];
+      if (symbol.empty() && name.starts_with(kSanitizers[i].symbol)) symbol = name;
+      if (runtime.empty() && name.starts_with(kSanitizers[i].library)) runtime = name;
+    }
+  }
+  return found;
 }
 
 bool is_loaded(const std::string& library) {
@@ -52,11 +68,15 @@ std::string fix_of(const Sanitizer& sanitizer, const std::string& runtime) {
 
 std::optional<MissingSanitizer> missing_sanitizer(const std::string& library) {
   const auto file = ElfFile::open(library);
-  if (!file) return std::nullopt;
-  const std::string names = dynamic_names(*file);
-  for (const Sanitizer& sanitizer : kSanitizers) {
-    const std::string symbol = name_with(names, sanitizer.symbol);
-    const std::string runtime = name_with(names, sanitizer.library);
+  return file ? missing_sanitizer(*file) : std::nullopt;
+}
+
+std::optional<MissingSanitizer> missing_sanitizer(const ElfFile& library) {
+  const std::string names = dynamic_names(library);
+  const auto all_found = names_in(names);
+  for (std::size_t i = 0; i < all_found.size(); ++i) {
+    const Sanitizer& sanitizer = kSanitizers[i];
+    const std::string symbol(all_found[i].symbol), runtime(all_found[i].runtime);
     const bool has_own = !runtime.empty() && sanitizer.comes_late;
     if (symbol.empty() || has_own) continue;
     const bool is_here =
