@@ -75,7 +75,10 @@ void FaultyDriver::plan(std::optional<Fault> fault) {
 void FaultyDriver::work() {
   plan({});
   const std::lock_guard lock(mutex_);
-  for (const cl_event event : hanging_) clReleaseEvent(event);
+  for (const cl_event event : hanging_) {
+    clWaitForEvents(1, &event);  // a busy machine may still execute what was reported as running
+    clReleaseEvent(event);
+  }
   hanging_.clear();
 }
 

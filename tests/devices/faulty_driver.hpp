@@ -37,7 +37,8 @@ class FaultyDriver {
   /// The driver reports the event of the n-th wait, counted from now on, as running until work().
   void hang(int nth_wait) { plan(Fault{kWait, nth_wait, CL_RUNNING, Fault::hangs}); }
 
-  /// No more faults, and counts from nothing; what was lost stays so.
+  /// No more faults, and counts from nothing; what was lost stays so. Waits until the commands that
+  /// were reported as running have ended.
   void work();
 
   /// Counted calls of each function. A wait polls the same event repeatedly, which counts as one
