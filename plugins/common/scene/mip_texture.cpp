@@ -31,6 +31,19 @@ Colour colour_of(const cv::Mat& image, int x, int y) {
   return {static_cast<float>(bgr[0]), static_cast<float>(bgr[1]), static_cast<float>(bgr[2]), 0.0F};
 }
 
+std::vector<float> greys_of(const Picture& picture) {
+  std::vector<float> greys;
+  greys.reserve(to_index(picture.width + 1) * to_index(picture.height + 1));
+  for (int y = 0; y <= picture.height; ++y) {
+    ask_to_go_on();
+    for (int x = 0; x <= picture.width; ++x) {
+      greys.push_back(
+          picture.at(std::min(x, picture.width - 1), std::min(y, picture.height - 1))[0]);
+    }
+  }
+  return greys;
+}
+
 Picture picture_of(const cv::Mat& image) {
   Picture picture{image.cols, image.rows};
   picture.pixels.reserve(image.total());
@@ -51,28 +64,18 @@ MipTexture::MipTexture(Picture picture, bool is_grey) : is_grey_(is_grey) {
   while (levels_.back().width > 1 || levels_.back().height > 1) {
     levels_.push_back(halved(levels_.back()));
   }
+  for (const Picture& level : levels_)
+    greys_.push_back(is_grey ? greys_of(level) : std::vector<float>());
 }
 
-Colour MipTexture::bilinear(const Picture& level, float scale, float u, float v) const {
-  // Pixel centres are integers: the centre of a block of 2 x 2 is half a pixel from its first.
-  const float a = std::clamp((u + 0.5F) * scale - 0.5F, 0.0F, static_cast<float>(level.width - 1));
-  const float b = std::clamp((v + 0.5F) * scale - 0.5F, 0.0F, static_cast<float>(level.height - 1));
-  const int i = static_cast<int>(a), j = static_cast<int>(b);
-  const float s = a - static_cast<float>(i), t = b - static_cast<float>(j);
-  const int right = std::min(i + 1, level.width - 1), below = std::min(j + 1, level.height - 1);
-  return (1.0F - t) * ((1.0F - s) * level.at(i, j) + s * level.at(right, j)) +
-         t * ((1.0F - s) * level.at(i, below) + s * level.at(right, below));
-}
-
-Colour MipTexture::sample(float u, float v, float texels) const {
+MipTexture::Sampler MipTexture::sampler(float texels) const {
   const auto coarsest = static_cast<float>(levels_.size() - 1);
   const float depth = texels > 1.0F ? std::min(std::log2(texels), coarsest) : 0.0F;
   const auto fine = to_index(depth);
-  const float share = depth - static_cast<float>(fine);
   const float scale = 1.0F / static_cast<float>(1 << fine);
-  Colour sharp = bilinear(levels_[fine], scale, u, v);
-  if (share <= 0.0F) return sharp;
-  return (1.0F - share) * sharp + share * bilinear(levels_[fine + 1], 0.5F * scale, u, v);
+  const std::size_t coarse = std::min(fine + 1, levels_.size() - 1);
+  return {Level(levels_[fine], greys_[fine], scale),
+          Level(levels_[coarse], greys_[coarse], 0.5F * scale), depth - static_cast<float>(fine)};
 }
 
 }  // namespace weft::scene

@@ -32,6 +32,19 @@ constexpr auto centres_of_samples() {
 
 constexpr auto kSamples = centres_of_samples();
 
+constexpr int kPadded = 12;  // more than the samples, and a multiple of a vector's length
+
+/// The coordinates of the samples along one axis, filled up with zeros.
+MipTexture::Floats<kPadded> padded_samples(std::size_t axis) {
+  MipTexture::Floats<kPadded> padded = MipTexture::Floats<kPadded>::Zero();
+  for (std::size_t k = 0; k < kSamples.size(); ++k) {
+    padded[static_cast<int>(k)] = static_cast<float>(kSamples[k][axis]);
+  }
+  return padded;
+}
+
+const MipTexture::Floats<kPadded> kSamplesX = padded_samples(0), kSamplesY = padded_samples(1);
+
 double longest_side(const Points2& uv_px, const Faces& faces) {
   double longest = 0.0;
   for (Eigen::Index f = 0; f < faces.rows(); ++f) {
@@ -215,21 +228,22 @@ std::vector<std::uint8_t> SheetRenderer::find_edges(const Scene& scene, const Wi
   return is_edge;
 }
 
-bool SheetRenderer::is_on_print(const Eigen::Array2f& uv) const {
-  return uv[0] >= -0.5F && uv[1] >= -0.5F && uv[0] <= static_cast<float>(print_.width()) - 0.5F &&
-         uv[1] <= static_cast<float>(print_.height()) - 0.5F;
+bool SheetRenderer::is_on_print(float u, float v) const {
+  return u >= -0.5F && v >= -0.5F && u <= static_cast<float>(print_.width()) - 0.5F &&
+         v <= static_cast<float>(print_.height()) - 0.5F;
 }
 
-Colour SheetRenderer::print_colour(const Eigen::Array2f& uv, float texels) const {
-  if (paper_.margin && !is_on_print(uv)) return Colour::Constant(*paper_.margin);
-  return print_.sample(uv[0], uv[1], texels);
+inline Colour SheetRenderer::print_colour(float u, float v,
+                                          const MipTexture::Sampler& print) const {
+  if (paper_.margin && !is_on_print(u, v)) return Colour::Constant(*paper_.margin);
+  return print.at(u, v);
 }
 
 void SheetRenderer::forget_margins(const Window& window, View& view) const {
   for (int y = window.y0; y < window.y1; ++y) {
     for (int x = window.x0; x < window.x1; ++x) {
       Eigen::Map<Eigen::Array2f> uv(view.uv_px.row(y) + std::ptrdiff_t{2} * x);
-      if (!is_on_print(uv)) uv.setConstant(std::numeric_limits<float>::quiet_NaN());
+      if (!is_on_print(uv[0], uv[1])) uv.setConstant(std::numeric_limits<float>::quiet_NaN());
     }
   }
 }
@@ -247,7 +261,8 @@ Colour SheetRenderer::sheet_colour(const LitMesh& sheet, std::int32_t face, doub
   const double along = (uv(kHalf, 0.0) - uv(-kHalf, 0.0)).squaredNorm();
   const double across = (uv(0.0, kHalf) - uv(0.0, -kHalf)).squaredNorm();
   const Eigen::Array2f here = sheet.interpolated(uv_px_, point).cast<float>().transpose().array();
-  return light * print_colour(here, static_cast<float>(std::sqrt(0.5 * (along + across))));
+  const auto texels = static_cast<float>(std::sqrt(0.5 * (along + across)));
+  return light * print_colour(here[0], here[1], print_.sampler(texels));
 }
 
 Colour SheetRenderer::solid_colour(const Scene& scene, std::int32_t face, double x,
@@ -267,19 +282,32 @@ Colour SheetRenderer::inner_colour(const Scene& scene, const View& view, int x, 
   if (hit.mesh != kSheet) return solid_colour(scene, hit.face, x, y);
   const float light = scene.light[index(x, y)];
   if (!scene.sheet.is_front(hit.face)) return Colour::Constant(light * paper_.back);
-  const auto uv = [&](int i, int j) {
-    return Eigen::Array2f(view.uv_px.row(j)[2 * i], view.uv_px.row(j)[2 * i + 1]);
-  };
+  const auto uv = [&](int i, int j) { return view.uv_px.row(j) + std::ptrdiff_t{2} * i; };
   const int left = std::max(x - 1, 0), right = std::min(x + 1, width_ - 1);
   const int above = std::max(y - 1, 0), below = std::min(y + 1, height_ - 1);
-  const Eigen::Array2f along = (uv(right, y) - uv(left, y)) / static_cast<float>(right - left);
-  const Eigen::Array2f across = (uv(x, below) - uv(x, above)) / static_cast<float>(below - above);
-  const float texels = std::sqrt(0.5F * (along.square().sum() + across.square().sum())) / kSide;
+  const auto slope = [](const float* from, const float* to, int steps, int k) {
+    return (to[k] - from[k]) / static_cast<float>(steps);
+  };
+  const float u_along = slope(uv(left, y), uv(right, y), right - left, 0);
+  const float v_along = slope(uv(left, y), uv(right, y), right - left, 1);
+  const float u_across = slope(uv(x, above), uv(x, below), below - above, 0);
+  const float v_across = slope(uv(x, above), uv(x, below), below - above, 1);
+  const float squares =
+      (u_along * u_along + v_along * v_along) + (u_across * u_across + v_across * v_across);
+  const MipTexture::Sampler print = print_.sampler(std::sqrt(0.5F * squares) / kSide);
+  const float u = uv(x, y)[0], v = uv(x, y)[1];
+  if (print_.is_grey() && !paper_.margin) {
+    const auto greys = print.greys_at<kPadded>(u + kSamplesX * u_along + kSamplesY * u_across,
+                                               v + kSamplesX * v_along + kSamplesY * v_across);
+    float sum = 0.0F;
+    for (std::size_t k = 0; k < kSamples.size(); ++k) sum += greys[static_cast<int>(k)];
+    return Colour::Constant(light * sum / static_cast<float>(kSamples.size()));
+  }
   Colour sum = Colour::Zero();
   for (const auto& [dx, dy] : kSamples) {
-    const Eigen::Array2f at =
-        uv(x, y) + static_cast<float>(dx) * along + static_cast<float>(dy) * across;
-    sum += print_colour(at, texels);
+    sum += print_colour(u + static_cast<float>(dx) * u_along + static_cast<float>(dy) * u_across,
+                        v + static_cast<float>(dx) * v_along + static_cast<float>(dy) * v_across,
+                        print);
   }
   return light * sum / static_cast<float>(kSamples.size());
 }

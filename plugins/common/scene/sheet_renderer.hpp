@@ -86,8 +86,8 @@ class SheetRenderer {
   void draw_edge(const Scene& scene, std::span<const RayHit> hits, int x, int y, View& view) const;
   Colour sheet_colour(const LitMesh& sheet, std::int32_t face, double x, double y) const;
   Colour solid_colour(const Scene& scene, std::int32_t face, double x, double y) const;
-  Colour print_colour(const Eigen::Array2f& uv, float texels) const;
-  bool is_on_print(const Eigen::Array2f& uv) const;
+  Colour print_colour(float u, float v, const MipTexture::Sampler& print) const;
+  bool is_on_print(float u, float v) const;
   void forget_margins(const Window& window, View& view) const;
   Eigen::Vector3f ray(double x, double y) const;
   std::size_t index(int x, int y) const;
