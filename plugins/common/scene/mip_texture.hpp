@@ -124,7 +124,7 @@ class MipTexture {
 
  private:
   std::vector<Picture> levels_;
-  std::vector<std::vector<float>> greys_;  ///< of each level; last column and row twice, or empty
+  std::vector<std::vector<float>> greys_;  ///< per level, last column and row twice; or empty
   bool is_grey_;
 };
 
