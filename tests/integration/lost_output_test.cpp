@@ -124,7 +124,7 @@ TEST_F(LostOutput, OfAFileThatGrowsTooLargeIsNamedWithItsReason) {
 
 TEST_F(LostOutput, OfAVideoByFfmpegIsNamedWithItsReason) {
   for (const std::string name : {"overlay.mkv", "overlay.mp4"}) {
-    const std::string file = write(overlay(120, "path: " + name));
+    const std::string file = write(overlay(40, "path: " + name));
     const Ended ended =
         limited(24, {"run", file, "--out", name + "_run", "--quiet", "--isolate", "none"});
     EXPECT_EQ(ended.exit_code, 3) << ended.out << ended.err;
