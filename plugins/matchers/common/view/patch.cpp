@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace weft::view {
 namespace {
@@ -12,62 +13,262 @@ constexpr float kSmallStep_px = 0.02F;
 constexpr float kLeastContrast = 2.0F;  // [grey level] standard deviation
 constexpr float kLeastSlope2 = 4e-3F;   // [1/px^2] of the normalised patch
 constexpr float kPixels = Patch::kSize;
+constexpr int kPairs = Patch::kSide / 2;
 
-float dot(const float* a, const float* b) {
-  Lanes sum{};
-  for (int i = 0; i < Patch::kSize; i += kLanes) sum += load_lanes(a + i) * load_lanes(b + i);
-  return sum_of(sum);
+/// Turned by compilers into what the processor has. Without FMA, which rounds otherwise, all
+/// processors give the same.
+typedef float Eight __attribute__((vector_size(8 * sizeof(float))));
+typedef float EightInMemory
+    __attribute__((vector_size(8 * sizeof(float)), aligned(alignof(float)), may_alias));
+
+/// Two rows of a patch, in the order of its arrays: the first eight pixels of the one, those of the
+/// other, and the last four of both.
+typedef Eight TwoRows[3];
+static_assert(Patch::kSide == 12);
+
+#define WEFT_INLINE [[gnu::always_inline]] inline
+
+WEFT_INLINE const EightInMemory& eight(const float* from) {
+  return *reinterpret_cast<const EightInMemory*>(from);
+}
+WEFT_INLINE EightInMemory& eight(float* at) { return *reinterpret_cast<EightInMemory*>(at); }
+
+WEFT_INLINE void join(Lanes low, Lanes high, Eight& both) {
+  both = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
-/// values += factor * others
-void add(float* __restrict values, float factor, const float* __restrict others) {
-  for (int i = 0; i < Patch::kSize; ++i) values[i] += factor * others[i];
+WEFT_INLINE void load_rows(const float* first, std::ptrdiff_t stride, TwoRows& rows) {
+  rows[0] = eight(first);
+  rows[1] = eight(first + stride);
+  join(load_lanes(first + 8), load_lanes(first + stride + 8), rows[2]);
 }
 
-void take_mean(float* values) {
-  Lanes sum{};
-  for (int i = 0; i < Patch::kSize; i += kLanes) sum += load_lanes(values + i);
-  const float mean = sum_of(sum) / kPixels;
-  for (int i = 0; i < Patch::kSize; ++i) values[i] -= mean;
+/// The sum of each: all begin with (0 + 4) + (2 + 6).
+WEFT_INLINE Lanes sums_of(const Eight& a, const Eight& b, const Eight& c, const Eight& d) {
+  const auto halves = [](const Eight& all) __attribute__((always_inline)) {
+    return __builtin_shufflevector(all, all, 0, 1, 2, 3) +
+           __builtin_shufflevector(all, all, 4, 5, 6, 7);
+  };
+  const auto quarters = [](Lanes one, Lanes other) __attribute__((always_inline)) {
+    return __builtin_shufflevector(one, other, 0, 4, 1, 5) +
+           __builtin_shufflevector(one, other, 2, 6, 3, 7);
+  };
+  const Lanes ab = quarters(halves(a), halves(b)), cd = quarters(halves(c), halves(d));
+  return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
 }
 
-void scale(float* values, float factor) {
-  for (int i = 0; i < Patch::kSize; ++i) values[i] *= factor;
-}
-
-/// Elements of a ramp along a patch, so that the sum of its squares over all pixels is 1.
-constexpr std::array<float, Patch::kSide> make_ramp() {
+/// Ramps along a patch, so that the sum of the squares over all pixels is 1, in its order.
+struct Ramps {
+  alignas(32) std::array<float, 24> across{};  ///< of two rows
+  alignas(32) std::array<float, Patch::kSize> down{};
+};
+constexpr Ramps make_ramps() {
   constexpr double kMiddle = 0.5 * (Patch::kSide - 1);
   // 1 / sqrt(kSide * sum (i - kMiddle)^2), and the sum is kSide (kSide^2 - 1) / 12.
   constexpr double kSquares = static_cast<double>(Patch::kSize) * (Patch::kSize - 1) / 12.0;
   double root = kSquares;  // Newton's iteration: std::sqrt is no constant expression
   for (int step = 0; step < 40; ++step) root = 0.5 * (root + kSquares / root);
-  std::array<float, Patch::kSide> ramp{};
-  for (int i = 0; i < Patch::kSide; ++i) {
-    ramp[to_index(i)] = static_cast<float>((static_cast<double>(i) - kMiddle) / root);
-  }
-  return ramp;
-}
-alignas(16) constexpr std::array<float, Patch::kSide> kRamp = make_ramp();
-
-/// Removes mean and slope, which depend on the light as much as on the texture.
-void take_light(float* values) {
-  take_mean(values);
-  float along_x = 0.0F, along_y = 0.0F;
-  for (int j = 0; j < Patch::kSide; ++j) {
-    const float* row = values + to_index(j * Patch::kSide);
-    float sum = 0.0F;
-    for (int i = 0; i < Patch::kSide; ++i) {
-      sum += row[i];
-      along_x += kRamp[to_index(i)] * row[i];
+  const auto ramp = [root](int i) {
+    return static_cast<float>((static_cast<double>(i) - kMiddle) / root);
+  };
+  Ramps ramps;
+  for (int i = 0; i < 24; ++i) {
+    ramps.across[to_index(i)] = ramp(i < 16 ? i % 8 : 8 + i % 4);
+    for (int pair = 0; pair < kPairs; ++pair) {
+      const int row = 2 * pair + (i < 16 ? i / 8 : (i - 16) / 4);
+      ramps.down[to_index(24 * pair + i)] = ramp(row);
     }
-    along_y += kRamp[to_index(j)] * sum;
   }
-  for (int j = 0; j < Patch::kSide; ++j) {
-    float* row = values + to_index(j * Patch::kSide);
-    const float down = along_y * kRamp[to_index(j)];
-    for (int i = 0; i < Patch::kSide; ++i) row[i] -= down + along_x * kRamp[to_index(i)];
+  return ramps;
+}
+constexpr Ramps kRamps = make_ramps();
+
+/// Products of grey levels with the images of plain light: 1 and the ramps.
+struct Light {
+  Eight left{}, right{}, down{};  ///< sums of the columns to the left and right; along the ramp
+
+  WEFT_INLINE void add(const TwoRows& rows, int pair) {
+    left += rows[0] + rows[1];
+    right += rows[2];
+    const float* ramp = kRamps.down.data() + 24 * pair;
+    down += (rows[0] * eight(ramp) + rows[1] * eight(ramp + 8)) + rows[2] * eight(ramp + 16);
   }
+  /// [1, along the ramp across, along the ramp down, `other`]
+  WEFT_INLINE Lanes sums(const Eight& other) const {
+    const float* ramp = kRamps.across.data();
+    return sums_of(left + right, left * eight(ramp) + right * eight(ramp + 16), down, other);
+  }
+};
+
+/// The light with these sums, at two rows of a patch.
+WEFT_INLINE void light_at(Lanes sums, int pair, TwoRows& light) {
+  const float mean = sums[0] / kPixels;
+  const float* down = kRamps.down.data() + 24 * pair;
+  for (int k = 0; k < 3; ++k) {
+    light[k] =
+        (mean + sums[1] * eight(kRamps.across.data() + 8 * k)) + sums[2] * eight(down + 8 * k);
+  }
+}
+
+struct Slopes {
+  float xx, xy, yy;  ///< their products; nothing where the patch has no contrast
+};
+
+/// t: without light, with norm 1. Slopes: of t, orthogonal to light and to t.
+WEFT_INLINE bool any_take(const float* first, std::ptrdiff_t stride, float* t, float* slope_x,
+                          float* slope_y, Slopes& slopes) {
+  Light light;
+  for (int pair = 0; pair < kPairs; ++pair) {
+    TwoRows rows;
+    load_rows(first + 2 * pair * stride, stride, rows);
+    light.add(rows, pair);
+  }
+  const Lanes light_t = light.sums(Eight{});
+  Eight squares{};
+  for (int pair = 0; pair < kPairs; ++pair) {
+    TwoRows rows, shade;
+    load_rows(first + 2 * pair * stride, stride, rows);
+    light_at(light_t, pair, shade);
+    for (int k = 0; k < 3; ++k) {
+      const Eight value = rows[k] - shade[k];
+      squares += value * value;
+      eight(t + 24 * pair + 8 * k) = value;
+    }
+  }
+  const float norm = std::sqrt(sums_of(squares, squares, squares, squares)[0]);
+  if (!(norm > kLeastContrast * std::sqrt(kPixels))) return false;
+  const float gain = 1.0F / norm;
+  Light light_x, light_y;
+  Eight along_x{}, along_y{};
+  for (int pair = 0; pair < kPairs; ++pair) {
+    const float* row = first + 2 * pair * stride;
+    TwoRows before, after, x, y;
+    load_rows(row - 1, stride, before);
+    load_rows(row + 1, stride, after);
+    for (int k = 0; k < 3; ++k) x[k] = 0.5F * gain * (after[k] - before[k]);
+    load_rows(row - stride, stride, before);
+    load_rows(row + stride, stride, after);
+    for (int k = 0; k < 3; ++k) y[k] = 0.5F * gain * (after[k] - before[k]);
+    light_x.add(x, pair);
+    light_y.add(y, pair);
+    for (int k = 0; k < 3; ++k) {
+      const int at = 24 * pair + 8 * k;
+      const Eight value = gain * eight(t + at);
+      along_x += x[k] * value;
+      along_y += y[k] * value;
+      eight(t + at) = value;
+      eight(slope_x + at) = x[k];
+      eight(slope_y + at) = y[k];
+    }
+  }
+  const Lanes sums_x = light_x.sums(along_x), sums_y = light_y.sums(along_y);
+  Eight xx{}, xy{}, yy{};
+  for (int pair = 0; pair < kPairs; ++pair) {
+    TwoRows shade_x, shade_y;
+    light_at(sums_x, pair, shade_x);
+    light_at(sums_y, pair, shade_y);
+    for (int k = 0; k < 3; ++k) {
+      const int at = 24 * pair + 8 * k;
+      const Eight value = eight(t + at);
+      const Eight x = (eight(slope_x + at) - shade_x[k]) - sums_x[3] * value;
+      const Eight y = (eight(slope_y + at) - shade_y[k]) - sums_y[3] * value;
+      xx += x * x;
+      xy += x * y;
+      yy += y * y;
+      eight(slope_x + at) = x;
+      eight(slope_y + at) = y;
+    }
+  }
+  const Lanes sums = sums_of(xx, xy, yy, yy);
+  slopes = {sums[0], sums[1], sums[2]};
+  return true;
+}
+
+struct Sums {
+  float spread2;  ///< spread of the grey levels without light
+  float along_t, along_x, along_y;
+};
+
+/// Products of the patch with the grey levels at `first` + (sub_x,sub_y).
+WEFT_INLINE void any_correlate(const float* first, std::ptrdiff_t stride, float sub_x, float sub_y,
+                               const float* t, const float* slope_x, const float* slope_y,
+                               Sums& sums) {
+  Light light;
+  Eight squares{}, along_t{}, along_x{}, along_y{};
+  // Each row between its columns, then between the rows.
+  Eight left = eight(first) + sub_x * (eight(first + 1) - eight(first));
+  Lanes right = load_lanes(first + 8) + sub_x * (load_lanes(first + 9) - load_lanes(first + 8));
+  for (int pair = 0; pair < kPairs; ++pair) {
+    const float* middle = first + (2 * pair + 1) * stride;
+    const float* below = middle + stride;
+    const Eight left_1 = eight(middle) + sub_x * (eight(middle + 1) - eight(middle));
+    const Eight left_2 = eight(below) + sub_x * (eight(below + 1) - eight(below));
+    const Lanes right_1 =
+        load_lanes(middle + 8) + sub_x * (load_lanes(middle + 9) - load_lanes(middle + 8));
+    const Lanes right_2 =
+        load_lanes(below + 8) + sub_x * (load_lanes(below + 9) - load_lanes(below + 8));
+    Eight upper, lower;
+    join(right, right_1, upper);
+    join(right_1, right_2, lower);
+    const TwoRows grey = {left + sub_y * (left_1 - left), left_1 + sub_y * (left_2 - left_1),
+                          upper + sub_y * (lower - upper)};
+    left = left_2;
+    right = right_2;
+    light.add(grey, pair);
+    for (int k = 0; k < 3; ++k) {
+      const int at = 24 * pair + 8 * k;
+      squares += grey[k] * grey[k];
+      along_t += grey[k] * eight(t + at);
+      along_x += grey[k] * eight(slope_x + at);
+      along_y += grey[k] * eight(slope_y + at);
+    }
+  }
+  const Lanes plain = light.sums(squares), along = sums_of(along_t, along_x, along_y, along_y);
+  const float light2 = plain[0] * plain[0] / kPixels + plain[1] * plain[1] + plain[2] * plain[2];
+  sums = {plain[3] - light2, along[0], along[1], along[2]};
+}
+
+using Take = bool(const float*, std::ptrdiff_t, float*, float*, float*, Slopes&);
+using Correlate = void(const float*, std::ptrdiff_t, float, float, const float*, const float*,
+                       const float*, Sums&);
+struct Kernels {
+  Take* take;
+  Correlate* correlate;
+};
+
+bool take_plain(const float* first, std::ptrdiff_t stride, float* t, float* slope_x, float* slope_y,
+                Slopes& slopes) {
+  return any_take(first, stride, t, slope_x, slope_y, slopes);
+}
+void correlate_plain(const float* first, std::ptrdiff_t stride, float sub_x, float sub_y,
+                     const float* t, const float* slope_x, const float* slope_y, Sums& sums) {
+  any_correlate(first, stride, sub_x, sub_y, t, slope_x, slope_y, sums);
+}
+
+#ifdef __x86_64__
+[[gnu::target("avx2")]] bool take_avx2(const float* first, std::ptrdiff_t stride, float* t,
+                                       float* slope_x, float* slope_y, Slopes& slopes) {
+  return any_take(first, stride, t, slope_x, slope_y, slopes);
+}
+[[gnu::target("avx2")]] void correlate_avx2(const float* first, std::ptrdiff_t stride, float sub_x,
+                                            float sub_y, const float* t, const float* slope_x,
+                                            const float* slope_y, Sums& sums) {
+  any_correlate(first, stride, sub_x, sub_y, t, slope_x, slope_y, sums);
+}
+const Kernels kKernels = __builtin_cpu_supports("avx2") ? Kernels{take_avx2, correlate_avx2}
+                                                        : Kernels{take_plain, correlate_plain};
+#else
+const Kernels kKernels{take_plain, correlate_plain};
+#endif
+#undef WEFT_INLINE
+
+/// True if all of `kBordered` bytes of a row are 1.
+bool are_drawn(const std::uint8_t* row) {
+  static_assert(Patch::kBordered <= 16);
+  std::uint64_t begin = 0, end = 0;
+  std::memcpy(&begin, row, 8);
+  std::memcpy(&end, row + Patch::kBordered - 8, 8);
+  return (begin & end) == 0x0101010101010101U;
 }
 
 }  // namespace
@@ -80,12 +281,9 @@ Patch::Fit Patch::take(const ViewLevel& view, int x, int y) {
       top + kSide + 1 > view.grey.height) {
     return Fit::not_drawn;
   }
-  unsigned all_drawn = 1;
   for (int j = -1; j <= kSide; ++j) {
-    const std::uint8_t* drawn = view.drawn_row(top + j) + left;
-    for (int i = -1; i <= kSide; ++i) all_drawn &= drawn[i];
+    if (!are_drawn(view.drawn_row(top + j) + left - 1)) return Fit::not_drawn;
   }
-  if (all_drawn == 0) return Fit::not_drawn;
   return take_rows(view.grey.row(top) + left, view.grey.width);
 }
 
@@ -106,29 +304,11 @@ Patch::Fit Patch::take(const Samples& samples, int x, int y) {
 }
 
 Patch::Fit Patch::take_rows(const float* first, int stride) {
-  for (int j = 0; j < kSide; ++j) {
-    const float* __restrict row = first + static_cast<std::ptrdiff_t>(j) * stride;
-    const float* __restrict above = row - stride;
-    const float* __restrict below = row + stride;
-    const std::size_t at = to_index(j * kSide);
-    for (int i = 0; i < kSide; ++i) {
-      t_[at + to_index(i)] = row[i];
-      slope_x_[at + to_index(i)] = 0.5F * (row[i + 1] - row[i - 1]);
-      slope_y_[at + to_index(i)] = 0.5F * (below[i] - above[i]);
-    }
+  Slopes slopes{};
+  if (!kKernels.take(first, stride, t_.data(), slope_x_.data(), slope_y_.data(), slopes)) {
+    return Fit::flat;
   }
-  take_light(t_.data());
-  const float norm = std::sqrt(dot(t_.data(), t_.data()));
-  if (!(norm > kLeastContrast * std::sqrt(kPixels))) return Fit::flat;
-  scale(t_.data(), 1.0F / norm);
-  for (auto* slope : {&slope_x_, &slope_y_}) {
-    scale(slope->data(), 1.0F / norm);
-    take_light(slope->data());
-    add(slope->data(), -dot(slope->data(), t_.data()), t_.data());
-  }
-  const float xx = dot(slope_x_.data(), slope_x_.data());
-  const float xy = dot(slope_x_.data(), slope_y_.data());
-  const float yy = dot(slope_y_.data(), slope_y_.data());
+  const auto [xx, xy, yy] = slopes;
   const float determinant = xx * yy - xy * xy;
   const float half_trace = 0.5F * (xx + yy);
   const float root = std::sqrt(std::max(half_trace * half_trace - determinant, 0.0F));
@@ -140,40 +320,6 @@ Patch::Fit Patch::take_rows(const float* first, int stride) {
   return Fit::usable;
 }
 
-Patch::Sums Patch::correlate(const Picture& image, int x, int y, float sub_x, float sub_y) const {
-  const float a = (1.0F - sub_x) * (1.0F - sub_y), b = sub_x * (1.0F - sub_y),
-              c = (1.0F - sub_x) * sub_y, d = sub_x * sub_y;
-  constexpr int kAcross = kSide / kLanes;
-  std::array<Lanes, kAcross> columns{};
-  Lanes squares{}, along_t{}, along_x{}, along_y{}, ramp_y{};
-  for (int j = 0; j < kSide; ++j) {
-    Lanes row{};
-    const float* above = image.row(y + j) + x;
-    const float* below = above + image.width;
-    const std::size_t at = to_index(j * kSide);
-    for (int i = 0; i < kSide; i += kLanes) {
-      const Lanes grey = a * load_lanes(above + i) + b * load_lanes(above + i + 1) +
-                         c * load_lanes(below + i) + d * load_lanes(below + i + 1);
-      const std::size_t k = at + to_index(i);
-      row += grey;
-      columns[to_index(i / kLanes)] += grey;
-      squares += grey * grey;
-      along_t += grey * load_lanes(t_.data() + k);
-      along_x += grey * load_lanes(slope_x_.data() + k);
-      along_y += grey * load_lanes(slope_y_.data() + k);
-    }
-    ramp_y += kRamp[to_index(j)] * row;
-  }
-  Lanes values{}, ramp_x{};
-  for (int i = 0; i < kAcross; ++i) {
-    values += columns[to_index(i)];
-    ramp_x += load_lanes(kRamp.data() + i * kLanes) * columns[to_index(i)];
-  }
-  const float value = sum_of(values), right = sum_of(ramp_x), down = sum_of(ramp_y);
-  const float light2 = value * value / kPixels + right * right + down * down;
-  return {sum_of(squares) - light2, sum_of(along_t), sum_of(along_x), sum_of(along_y)};
-}
-
 bool Patch::is_inside(const Picture& image, float place_x, float place_y) const {
   return place_x >= 0.0F && place_y >= 0.0F && place_x + kSide < static_cast<float>(image.width) &&
          place_y + kSide < static_cast<float>(image.height);
@@ -183,8 +329,10 @@ float Patch::correlation_at(const Picture& image, float dx, float dy) const {
   const float place_x = static_cast<float>(x_) + dx, place_y = static_cast<float>(y_) + dy;
   if (!is_inside(image, place_x, place_y)) return 0.0F;
   const int x = static_cast<int>(place_x), y = static_cast<int>(place_y);
-  const Sums sums =
-      correlate(image, x, y, place_x - static_cast<float>(x), place_y - static_cast<float>(y));
+  Sums sums{};
+  kKernels.correlate(image.row(y) + x, image.width, place_x - static_cast<float>(x),
+                     place_y - static_cast<float>(y), t_.data(), slope_x_.data(), slope_y_.data(),
+                     sums);
   return sums.spread2 > kPixels ? sums.along_t / std::sqrt(sums.spread2) : 0.0F;
 }
 
@@ -198,8 +346,10 @@ Alignment Patch::find_in(const Picture& image, float dx, float dy, float reach_p
       return found;
     }
     const int x = static_cast<int>(place_x), y = static_cast<int>(place_y);
-    const Sums sums =
-        correlate(image, x, y, place_x - static_cast<float>(x), place_y - static_cast<float>(y));
+    Sums sums{};
+    kKernels.correlate(image.row(y) + x, image.width, place_x - static_cast<float>(x),
+                       place_y - static_cast<float>(y), t_.data(), slope_x_.data(), slope_y_.data(),
+                       sums);
     const float spread2 = sums.spread2;
     if (!(spread2 > kPixels)) {  // one grey level
       found.end = Alignment::End::no_contrast;

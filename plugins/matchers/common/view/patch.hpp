@@ -52,15 +52,11 @@ class Patch {
   float deviation_px(float correlation) const;
 
  private:
-  struct Sums {
-    float spread2;  ///< spread of the grey levels without light
-    float along_t, along_x, along_y;
-  };
   bool is_inside(const Picture& image, float place_x, float place_y) const;
   Fit take_rows(const float* first, int stride);
-  Sums correlate(const Picture& image, int x, int y, float sub_x, float sub_y) const;
 
   int x_ = 0, y_ = 0;  ///< px of its first pixel
+  ///< by pixel, two rows after two rows: eight of the one, eight of the other, four of each
   alignas(64) std::array<float, kSize> t_{}, slope_x_{}, slope_y_{};
   float inverse_xx_ = 0.0F, inverse_xy_ = 0.0F, inverse_yy_ = 0.0F;  ///< inverse of the normal
                                                                      ///< matrix
