@@ -168,12 +168,8 @@ class DenseFlow final : public Matcher {
     matches.diag.set("astray", static_cast<double>(tally.of(Fate::astray)));
     if (off_px) matches.diag.set("disagreement_px", *off_px);
     const double unlike = likeness_.unlike_share(
-        view_->level(halvings_), image_.level(halvings_), shift_px / scale(), flat_px_,
-        [&](int x, int y) {
-          const Eigen::Vector2i place(x, y);
-          const std::int32_t face = face_at(place);
-          return texel_of(face, view_->weights_at(face, to_image(place.cast<double>())));
-        });
+        view_->level(halvings_), halvings_, image_.level(halvings_), shift_px / scale(), flat_px_,
+        [&](std::int32_t face) { return view_->texel_map(face); });
     const bool is_texture = shows_texture_itself(matches);
     matches.confidence =
         make_scalar(is_texture ? 0.0 : logistic((max_unlike_ - unlike) / kUnlikeSpread));

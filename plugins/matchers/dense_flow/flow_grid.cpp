@@ -20,13 +20,6 @@ constexpr float kAlike = 0.5F;     // correlation at coarse levels of a patch th
 constexpr int kCoarseSpacing_px = 4;  // at most, where displacements are only led on
 constexpr int kFewestNeighbours = 3;
 
-/// The middle one of up to nine numbers.
-float median_of(std::array<float, 9>& values, int count) {
-  const auto middle = values.begin() + count / 2;
-  std::nth_element(values.begin(), middle, values.begin() + count);
-  return *middle;
-}
-
 }  // namespace
 
 void FlowGrid::find(const view::PredictedView& view, const view::Pyramid& image,
@@ -152,27 +145,31 @@ bool FlowGrid::comes_back(const ViewLevel& view, const Picture& image, int colum
 
 /// Rejects nodes whose motion differs from the median of the found nodes around them.
 void FlowGrid::reject_astray() {
+  const auto most = static_cast<float>(options_.max_deviation_px);
   astray_.assign(grid_.nodes.size(), 0);
-  std::array<float, 9> dx{}, dy{};
   for (int row = 0; row < grid_.rows; ++row) {
     for (int column = 0; column < grid_.columns; ++column) {
       const Node& node = grid_.at(column, row);
       if (node.fate != Fate::found) continue;
+      // The median is off if at least half of the values are.
       int count = 0;
+      std::array<int, 2> above{}, below{};
       for (int j = std::max(row - 1, 0); j <= std::min(row + 1, grid_.rows - 1); ++j) {
         for (int i = std::max(column - 1, 0); i <= std::min(column + 1, grid_.columns - 1); ++i) {
           const Node& other = grid_.at(i, j);
           if (other.fate != Fate::found || (i == column && j == row)) continue;
-          dx[to_index(count)] = other.by_px.x();
-          dy[to_index(count)] = other.by_px.y();
           ++count;
+          for (int k = 0; k < 2; ++k) {
+            const float off = other.by_px[k] - node.by_px[k];
+            above[to_index(k)] += off > most ? 1 : 0;
+            below[to_index(k)] += off < -most ? 1 : 0;
+          }
         }
       }
-      const bool is_alone = count < kFewestNeighbours;
-      const bool is_off = !is_alone && std::max(std::abs(node.by_px.x() - median_of(dx, count)),
-                                                std::abs(node.by_px.y() - median_of(dy, count))) >
-                                           static_cast<float>(options_.max_deviation_px);
-      astray_[to_index(row * grid_.columns + column)] = is_alone || is_off ? 1 : 0;
+      const int middle = count / 2;  // index of the median in ascending order
+      const bool is_off =
+          std::max(above[0], above[1]) >= count - middle || std::max(below[0], below[1]) > middle;
+      astray_[to_index(row * grid_.columns + column)] = count < kFewestNeighbours || is_off ? 1 : 0;
     }
   }
   for (std::size_t i = 0; i < astray_.size(); ++i) {

@@ -25,9 +25,18 @@ bool Likeness::Cell::has_contrast() const {
   return count >= kFewestSamples && drawn2() >= kLeastContrast * kLeastContrast * count;
 }
 
-double Likeness::unlike_share(const view::ViewLevel& view, const view::Picture& image,
+void Likeness::Cell::add(double drawn, double seen) {
+  count += 1.0;
+  sum_drawn += drawn;
+  sum_seen += seen;
+  sum_drawn2 += drawn * drawn;
+  sum_seen2 += seen * seen;
+  sum_both += drawn * seen;
+}
+
+double Likeness::unlike_share(const view::ViewLevel& view, int k, const view::Picture& image,
                               const Eigen::Vector2d& shift_px, const Points2& flat_px,
-                              const TexelAt& texel_at) {
+                              const TexelMap& texel_map) {
   const Eigen::RowVector2d low_px = flat_px.colwise().minCoeff();
   const Eigen::RowVector2d size_px = flat_px.colwise().maxCoeff() - low_px;
   const double side_px = std::max(size_px.norm() / kCellsAlongDiagonal, 1e-9);
@@ -42,22 +51,27 @@ double Likeness::unlike_share(const view::ViewLevel& view, const view::Picture& 
     worked(20 * view.grey.width / step_px);
     const int seen_y = y + view.y0 + shift_y;
     if (seen_y < 0 || seen_y >= image.height) continue;
+    // Along a row the cell is a fraction of linear functions, for each face.
+    const std::int32_t* faces = view.face.data() + to_index(y) * to_index(view.grey.width);
+    const double scale = 1 << k, image_y = scale * (y + view.y0 + 0.5) - 0.5;
+    Eigen::Vector3d at_left = Eigen::Vector3d::Zero(), along_row = at_left;
+    std::int32_t face = -1;
     for (int x = 0; x < view.grey.width; x += step_px) {
       const int seen_x = x + view.x0 + shift_x;
-      if (seen_x < 0 || seen_x >= image.width) continue;
-      if (view.face[to_index(y) * to_index(view.grey.width) + to_index(x)] < 0) continue;
-      const Eigen::RowVector2d at = (texel_at(x + view.x0, y + view.y0) - low_px) / side_px;
-      const int column = std::clamp(static_cast<int>(at.x()), 0, columns - 1);
-      const int row = std::clamp(static_cast<int>(at.y()), 0, rows - 1);
-      Cell& cell = cells_[to_index(row * columns + column)];
-      const auto drawn = static_cast<double>(view.grey.row(y)[x]);
-      const auto seen = static_cast<double>(image.row(seen_y)[seen_x]);
-      cell.count += 1.0;
-      cell.sum_drawn += drawn;
-      cell.sum_seen += seen;
-      cell.sum_drawn2 += drawn * drawn;
-      cell.sum_seen2 += seen * seen;
-      cell.sum_both += drawn * seen;
+      if (seen_x < 0 || seen_x >= image.width || faces[x] < 0) continue;
+      if (faces[x] != face) {
+        face = faces[x];
+        Eigen::Matrix3d map = texel_map(face);
+        map.topRows<2>() = (map.topRows<2>() - low_px.transpose() * map.row(2)) / side_px;
+        at_left = map * Eigen::Vector3d(scale * (view.x0 + 0.5) - 0.5, image_y, 1.0);
+        along_row = scale * map.col(0);
+      }
+      const double inverse = 1.0 / (at_left.z() + x * along_row.z());
+      const int column = static_cast<int>(inverse * (at_left.x() + x * along_row.x()));
+      const int row = static_cast<int>(inverse * (at_left.y() + x * along_row.y()));
+      cells_[to_index(std::clamp(row, 0, rows - 1) * columns + std::clamp(column, 0, columns - 1))]
+          .add(static_cast<double>(view.grey.row(y)[x]),
+               static_cast<double>(image.row(seen_y)[seen_x]));
     }
   }
   contrasts_.clear();

@@ -20,18 +20,19 @@ namespace weft::dense_flow {
 /// count a fifth.
 class Likeness {
  public:
-  /// The texel [px] that a pixel of the level shows.
-  using TexelAt = std::function<Eigen::RowVector2d(int x, int y)>;
+  /// PredictedView::texel_map() of a face.
+  using TexelMap = std::function<Eigen::Matrix3d(std::int32_t face)>;
 
-  /// Share [] 0 to 1 of the contrast in unlike cells; 0 where nothing has contrast. `view` has
-  /// faces, and `image` has the same level and is read `shift_px` away; `flat_px` [V,2] are the
-  /// texels of the vertices.
-  double unlike_share(const view::ViewLevel& view, const view::Picture& image,
+  /// Share [] 0 to 1 of the contrast in unlike cells; 0 where nothing has contrast. `view` is level
+  /// `k` with faces, and `image` has the same level and is read `shift_px` away; `flat_px` [V,2]
+  /// are the texels of the vertices.
+  double unlike_share(const view::ViewLevel& view, int k, const view::Picture& image,
                       const Eigen::Vector2d& shift_px, const Points2& flat_px,
-                      const TexelAt& texel_at);
+                      const TexelMap& texel_map);
 
  private:
   struct Cell {
+    void add(double drawn, double seen);
     double count = 0.0, sum_drawn = 0.0, sum_seen = 0.0;
     double sum_drawn2 = 0.0, sum_seen2 = 0.0, sum_both = 0.0;
 

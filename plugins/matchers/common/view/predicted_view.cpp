@@ -371,4 +371,17 @@ Eigen::Vector3d PredictedView::weights_at(std::int32_t face,
   return weights / weights.sum();
 }
 
+Eigen::Matrix3d PredictedView::texel_map(std::int32_t face) const {
+  const auto vertex = [&](int k) { return vertices_[to_index(faces_(face, k % 3))]; };
+  Eigen::Matrix3d map = Eigen::Matrix3d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    // Twice the area that a place spans with the side across from the corner, as in weights_at().
+    const Vertex a = vertex(k + 1), b = vertex(k + 2);
+    const Eigen::RowVector3d area(a.y - b.y, b.x - a.x, a.x * b.y - a.y * b.x);
+    const Eigen::Vector3d texel(flat_px_(faces_(face, k), 0), flat_px_(faces_(face, k), 1), 1.0);
+    map += vertex(k).nearness * texel * area;
+  }
+  return map;
+}
+
 }  // namespace weft::view

@@ -80,6 +80,8 @@ class PredictedView {
   /// The weights of the corners at the point of a face that is seen at a place of the image; the
   /// face is in front of the camera.
   Eigen::Vector3d weights_at(std::int32_t face, const Eigen::Vector2d& place_px) const;
+  /// The homography from places of the image to texels, in px, of a face in front of the camera.
+  Eigen::Matrix3d texel_map(std::int32_t face) const;
 
  private:
   /// A vertex before the camera: pixel, and what is linear in it once divided by depth.
