@@ -56,9 +56,15 @@ class PointGrid {
   /// Calls visit(i) for each of them.
   template <class Visit>
   void for_each_within(const Eigen::Vector2d& place, double radius, Visit&& visit) const {
-    std::vector<int> found;
-    find_within(place, radius, found);
-    for (const int i : found) visit(i);
+    const int last = row(place.y() + radius);
+    const int left = column(place.x() - radius), right = column(place.x() + radius);
+    for (int y = row(place.y() - radius); y <= last; ++y) {
+      const std::size_t end = first_[to_index(y * columns_ + right) + 1];
+      for (std::size_t k = first_[to_index(y * columns_ + left)]; k < end; ++k) {
+        const double dx = points_[k].x - place.x(), dy = points_[k].y - place.y();
+        if (dx * dx + dy * dy <= radius * radius) visit(points_[k].index);
+      }
+    }
   }
 
  private:

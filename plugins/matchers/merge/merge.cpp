@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <compare>
 #include <numeric>
 #include <string>
-#include <tuple>
 #include <vector>
 #include <weft/core/index.hpp>
-#include <weft/data/matrix.hpp>
 #include <weft/sdk/matcher.hpp>
 
 #include "common/duplicates.hpp"
@@ -14,18 +13,23 @@
 namespace weft::merge {
 namespace {
 
-/// A match and where it stands.
+/// A match and its row in its record.
 struct Source {
   const Correspondences* record;
   std::int64_t row;
 };
 
 /// Larger is better. The ratio of distances compares across kinds of descriptors, distances do not.
-auto quality(const Source& match) {
-  const auto& [record, row] = match;
-  return std::tuple(record->kept(row), record->score(row),
-                    record->ratio.present() ? -record->ratio(row) : 0.0);
-}
+struct Quality {
+  explicit Quality(const Source& match)
+      : kept(match.record->kept(match.row)),
+        score(match.record->score(match.row)),
+        minus_ratio(match.record->ratio.present() ? -match.record->ratio(match.row) : 0.0) {}
+  auto operator<=>(const Quality&) const = default;
+
+  std::uint8_t kept;
+  double score, minus_ratio;
+};
 
 /// The union of several sets of matches without duplicates.
 class Merge final : public Matcher {
@@ -44,6 +48,9 @@ class Merge final : public Matcher {
       return no_result("no matches to merge: no stage of 'from' produced any");
     }
     std::vector<Source> matches;
+    std::size_t most = 0;
+    for (const Correspondences& record : in.correspondences) most += to_index(record.count());
+    matches.reserve(most);
     for (std::size_t k = 0; k < in.correspondences.size(); ++k) {
       const Correspondences& record = in.correspondences[k];
       if (auto valid = check(record, k); !valid) return valid.error();
@@ -63,8 +70,9 @@ class Merge final : public Matcher {
   /// Comparisons with NaN would leave the order of the matches open.
   static Result<void> check(const Correspondences& record, std::size_t input) {
     for (std::int64_t i = 0; i < record.count(); ++i) {
-      const bool finite = record.template_px.matrix<2>().row(i).allFinite() &&
-                          record.image_px.matrix<2>().row(i).allFinite() &&
+      const double *texel = record.template_px.row(i), *pixel = record.image_px.row(i);
+      const bool finite = std::isfinite(texel[0]) && std::isfinite(texel[1]) &&
+                          std::isfinite(pixel[0]) && std::isfinite(pixel[1]) &&
                           std::isfinite(record.score(i)) &&
                           (!record.ratio.present() || std::isfinite(record.ratio(i)));
       if (finite) continue;
@@ -78,15 +86,18 @@ class Merge final : public Matcher {
 
   void keep_distinct(std::vector<Source>& matches) const {
     std::vector<matchers::PointPair> pairs;
-    for (const auto& [record, row] : matches) {
-      pairs.push_back({record->template_px.matrix<2>().row(row).transpose(),
-                       record->image_px.matrix<2>().row(row).transpose()});
+    std::vector<Quality> qualities;
+    pairs.reserve(matches.size());
+    qualities.reserve(matches.size());
+    for (const Source& match : matches) {
+      pairs.push_back({Eigen::Vector2d::Map(match.record->template_px.row(match.row)),
+                       Eigen::Vector2d::Map(match.record->image_px.row(match.row))});
+      qualities.emplace_back(match);
     }
     std::vector<int> best_first(matches.size());
     std::iota(best_first.begin(), best_first.end(), 0);
-    std::stable_sort(best_first.begin(), best_first.end(), [&](int a, int b) {
-      return quality(matches[to_index(a)]) > quality(matches[to_index(b)]);
-    });
+    std::stable_sort(best_first.begin(), best_first.end(),
+                     [&](int a, int b) { return qualities[to_index(a)] > qualities[to_index(b)]; });
     const std::vector<char> keep =
         matchers::distinct(pairs, best_first, template_radius_px_, image_radius_px_);
     std::size_t kept = 0;
