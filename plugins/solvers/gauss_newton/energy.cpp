@@ -80,36 +80,23 @@ Eigen::Vector3d Energy::surface_point_m(const Points3& vertices_m, std::int32_t 
 template <bool wants_derivatives>
 double Energy::observed(const FrameData& frame, const Trust& trust, const Points3& vertices_m,
                         const Derivatives& to) const {
-  const Pinhole camera = frame.camera;
   double energy = 0.0;
+  SeenFrom from;
+  from.camera = frame.camera;
+  from.trust = trust;
   for (const SeenFace& seen : frame.faces) {
-    worked(static_cast<std::int64_t>(seen.end - seen.first));
-    Eigen::Vector3d corners[3];
-    double rises_m[3];
-    for (Eigen::Index k = 0; k < 3; ++k) {
-      corners[k] = vertices_m.row(mesh_->faces(seen.face, k)).transpose();
-      rises_m[k] = rises_m_[to_index(mesh_->face_arcs(seen.face, k))];
+    const std::size_t count = seen.end - seen.first;
+    worked(static_cast<std::int64_t>(count));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto corner = static_cast<Eigen::Index>(k);
+      from.corners_m[k] = vertices_m.row(mesh_->faces(seen.face, corner)).transpose();
+      from.rises_m[k] = rises_m_[to_index(mesh_->face_arcs(seen.face, corner))];
     }
-    const Eigen::Vector3d front = fronts_.row(seen.face).transpose();
+    from.front = fronts_.row(seen.face).transpose();
     FaceSums sums;
-    for (std::size_t i = seen.first; i < seen.end; ++i) {
-      const Observation& o = frame.observations[i];
-      const double* b = o.weights.data();
-      const double rise_m =
-          b[0] * b[1] * rises_m[0] + b[1] * b[2] * rises_m[1] + b[2] * b[0] * rises_m[2];
-      const Eigen::Vector3d p =
-          b[0] * corners[0] + b[1] * corners[1] + b[2] * corners[2] - rise_m * front;
-      if (!(p.z() > 0.0)) return std::numeric_limits<double>::infinity();
-      const double inverse_z = 1.0 / p.z(), px = p.x() * inverse_z, py = p.y() * inverse_z;
-      const double off_x = camera.fx * px + camera.cx - o.seen_px[0];
-      const double off_y = camera.fy * py + camera.cy - o.seen_px[1];
-      const double rx = o.white.xx * off_x, ry = o.white.yx * off_x + o.white.yy * off_y;
-      const double weight = trust.weight(rx * rx + ry * ry, energy);
-      if constexpr (wants_derivatives) {
-        const Whitening slopes{camera.fx * o.white.xx, camera.fx * o.white.yx,
-                               camera.fy * o.white.yy};
-        sums.add(b, inverse_z, px, py, slopes, weight, rx, ry);
-      }
+    const Observation* first = frame.observations.data() + seen.first;
+    if (!sums.observe(from, first, count, wants_derivatives, energy)) {
+      return std::numeric_limits<double>::infinity();
     }
     if constexpr (wants_derivatives) add_sums(sums, seen.face, to);
   }

@@ -2,11 +2,21 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 
 #include "energy.hpp"
 
 namespace weft::gauss_newton {
+
+/// A face, and what its observations are compared with.
+struct SeenFrom {
+  std::array<Eigen::Vector3d, 3> corners_m;
+  std::array<double, 3> rises_m;  ///< of its sides
+  Eigen::Vector3d front;          ///< its normal
+  Pinhole camera;
+  Trust trust;
+};
 
 /// Sums over the observations of a face.
 struct FaceSums {
@@ -36,6 +46,11 @@ struct FaceSums {
       slopes[k][2] += b[k] * gz;
     }
   }
+
+  /// Adds `count` observations of the face to the energy, and to the sums if these are wanted.
+  /// False if one of them is not in front of the camera.
+  bool observe(const SeenFrom& from, const Observation* seen, std::size_t count,
+               bool wants_derivatives, double& energy);
 
   Eigen::Matrix3d block(std::size_t k) const {
     const double* s = squares[k];
