@@ -1,9 +1,53 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/pictures/picture.hpp"
 
+#include <cstring>
 #include <weft/core/stop_check.hpp>
 
 namespace weft::pictures {
+namespace {
+
+/// ITU-R BT.601
+float grey_of(const std::uint8_t* bgr) {
+  return 0.114F * static_cast<float>(bgr[0]) + 0.587F * static_cast<float>(bgr[1]) +
+         0.299F * static_cast<float>(bgr[2]);
+}
+
+void grey_row_plain(const std::uint8_t* __restrict in, float* __restrict out, int from, int width) {
+  for (int x = from; x < width; ++x) out[x] = grey_of(in + 3 * x);
+}
+
+#ifdef __x86_64__
+/// The same numbers, four pixels at once; loads are 16 bytes long.
+[[gnu::target("ssse3")]] void grey_row_ssse3(const std::uint8_t* __restrict in,
+                                             float* __restrict out, int from, int width) {
+  typedef std::uint8_t Bytes __attribute__((vector_size(16)));
+  typedef std::int32_t Whole __attribute__((vector_size(16)));
+  typedef float Four __attribute__((vector_size(16)));
+  const Bytes none{};
+  int x = from;
+  for (; x + 6 <= width; x += 4) {
+    Bytes bytes;
+    std::memcpy(&bytes, in + 3 * x, sizeof bytes);
+    const auto blue = reinterpret_cast<Whole>(__builtin_shufflevector(
+        bytes, none, 0, 16, 16, 16, 3, 16, 16, 16, 6, 16, 16, 16, 9, 16, 16, 16));
+    const auto green = reinterpret_cast<Whole>(__builtin_shufflevector(
+        bytes, none, 1, 16, 16, 16, 4, 16, 16, 16, 7, 16, 16, 16, 10, 16, 16, 16));
+    const auto red = reinterpret_cast<Whole>(__builtin_shufflevector(
+        bytes, none, 2, 16, 16, 16, 5, 16, 16, 16, 8, 16, 16, 16, 11, 16, 16, 16));
+    const Four grey = 0.114F * __builtin_convertvector(blue, Four) +
+                      0.587F * __builtin_convertvector(green, Four) +
+                      0.299F * __builtin_convertvector(red, Four);
+    std::memcpy(out + x, &grey, sizeof grey);
+  }
+  grey_row_plain(in, out, x, width);
+}
+const auto kGreyRow = __builtin_cpu_supports("ssse3") ? grey_row_ssse3 : grey_row_plain;
+#else
+const auto kGreyRow = grey_row_plain;
+#endif
+
+}  // namespace
 
 void read_grey(const Array<std::uint8_t>& pixels, Picture& grey) {
   grey.resize(static_cast<int>(pixels.dim(1)), static_cast<int>(pixels.dim(0)));
@@ -18,11 +62,7 @@ void read_grey(const Array<std::uint8_t>& pixels, Picture& grey) {
       for (int x = 0; x < grey.width; ++x) out[x] = static_cast<float>(in[channels * x]);
       continue;
     }
-    // ITU-R BT.601
-    for (int x = 0; x < grey.width; ++x) {
-      out[x] = 0.114F * static_cast<float>(in[3 * x]) + 0.587F * static_cast<float>(in[3 * x + 1]) +
-               0.299F * static_cast<float>(in[3 * x + 2]);
-    }
+    kGreyRow(in, out, 0, grey.width);
   }
 }
 
