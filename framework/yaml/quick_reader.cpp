@@ -27,7 +27,7 @@ class QuickReader {
 
  private:
   static constexpr std::size_t kEnd = ~std::size_t{0};  ///< the column behind the last line
-  static constexpr std::size_t kMostKeys = 64;          ///< of a map; they are compared in pairs
+  static constexpr std::size_t kMostKeys = 64;          ///< keys of one map are compared in pairs
   static constexpr std::size_t kLongestKey = 100, kDeepest = 50;  ///< less than yaml-cpp takes
 
   char at(std::size_t offset) const { return offset < line_.size() ? line_[offset] : '\0'; }
@@ -160,7 +160,7 @@ class QuickReader {
   std::string_view text_, line_;
   std::size_t rest_ = 0;    ///< where the next line begins
   std::size_t column_ = 0;  ///< [bytes] of this line that are read
-  int number_ = 0;          ///< of this line, from 1
+  int number_ = 0;          ///< number of this line, from 1
   std::size_t nodes_ = 0, depth_ = 0;
 };
 

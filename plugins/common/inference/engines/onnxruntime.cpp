@@ -11,7 +11,7 @@
 namespace weft::inference {
 namespace {
 
-constexpr std::size_t kMostOutputAxes = 32;  // of cv::Mat
+constexpr std::size_t kMostOutputAxes = 32;  // cv::Mat has no more
 
 class OnnxRuntimeEngine final : public Engine {
  public:
