@@ -23,7 +23,7 @@ template <bool wants_derivatives>
   const double scale2 = trust.scale * trust.scale;
   Four squares[6][6] = {}, slopes[3][3] = {}, energies{};
   for (std::size_t i = 0; i < count; i += 4) {
-    // The last one stands in, without weight, for those that lack.
+    // Missing ones are copies of the last one, without weight.
     const std::size_t last = count - 1;
     const Observation &o0 = seen[i], &o1 = seen[std::min(i + 1, last)],
                       &o2 = seen[std::min(i + 2, last)], &o3 = seen[std::min(i + 3, last)];

@@ -12,7 +12,7 @@ namespace weft::gauss_newton {
 /// A face, and what its observations are compared with.
 struct SeenFrom {
   std::array<Eigen::Vector3d, 3> corners_m;
-  std::array<double, 3> rises_m;  ///< of its sides
+  std::array<double, 3> rises_m;  ///< one of each side
   Eigen::Vector3d front;          ///< its normal
   Pinhole camera;
   Trust trust;

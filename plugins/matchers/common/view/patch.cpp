@@ -59,7 +59,7 @@ WEFT_INLINE Lanes sums_of(const Eight& a, const Eight& b, const Eight& c, const 
 
 /// Ramps along a patch, so that the sum of the squares over all pixels is 1, in its order.
 struct Ramps {
-  alignas(32) std::array<float, 24> across{};  ///< of two rows
+  alignas(32) std::array<float, 24> across{};  ///< two rows
   alignas(32) std::array<float, Patch::kSize> down{};
 };
 constexpr Ramps make_ramps() {
