@@ -58,7 +58,7 @@ def difference(network: RegistrationNetwork, path: Path, images: np.ndarray) -> 
     return max(found) if all(map(math.isfinite, found)) else math.inf
 
 
-def _plain(metrics: dict[str, float]) -> dict[str, Any]:
+def plain_numbers(metrics: dict[str, float]) -> dict[str, Any]:
     return {k: (None if not math.isfinite(v) else v if isinstance(v, int) else float(f"{v:.5g}"))
             for k, v in metrics.items()}
 
@@ -114,7 +114,7 @@ def _description(shards: Shards, network: RegistrationNetwork, onnx: Path, metri
             "complete": state["step"] == state["steps"], "epochs": settings["epochs"], "batch": settings["batch"],
             "learning_rate": settings["learning_rate"], "seed": settings["seed"],
             "recipe_hash": settings["recipe_hash"], "torch": str(torch.__version__), "opencv": cv2.__version__,
-            "cpu_seconds": round(state["seconds"], 1), "validation": _plain(metrics["validation"]),
-            "test": _plain(metrics["test"])},
+            "cpu_seconds": round(state["seconds"], 1), "validation": plain_numbers(metrics["validation"]),
+            "test": plain_numbers(metrics["test"])},
         "licence": "Apache-2.0",
     }

@@ -27,7 +27,7 @@ Result<Network> Network::open(const std::string& path, Runtime runtime) {
   auto engine = Engine::open(*file, file->outputs(), runtime);
   if (!engine) return engine.error();
   Network network(*std::move(file), *std::move(engine));
-  const cv::Mat grey(static_cast<int>(network.file_.camera.height_px),
+  const cv::Mat grey(static_cast<int>(network.file_.camera.height_px) + network.file_.texture_px,
                      static_cast<int>(network.file_.camera.width_px), CV_32FC3,
                      cv::Scalar::all(kGrey));
   if (const auto tried = network.run(grey, 1); !tried) return tried.error();
@@ -60,6 +60,7 @@ Result<NetworkMaps> Network::run(const cv::Mat& rgb, int threads) {
   const auto cells = flattened(outputs->at(0), file_.cells.output, NetworkMaps::kCellChannels,
                                file_.cells.rows, file_.cells.columns, true);
   if (!cells) return cells.error();
+  if (file_.is_for_any_texture()) return NetworkMaps{*cells, {}};
   const auto vertices =
       flattened(outputs->at(1), file_.vertices.output, NetworkMaps::kVertexChannels,
                 file_.vertices.rows, file_.vertices.columns, false);

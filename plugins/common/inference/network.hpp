@@ -19,7 +19,10 @@ namespace weft::inference {
 /// - 4: logarithm of the depth in m
 /// - 5: logarithm of the expected error of channel 4
 ///
-/// Channels of `vertices`: X/Z, Y/Z and ln Z (Z in m) in the camera frame.
+/// A network for any texture has the side of the texture's square as its unit of x, y and depth.
+///
+/// Channels of `vertices`: X/Z, Y/Z and ln Z (Z in m) in the camera frame. A network for any
+/// texture has none.
 struct NetworkMaps {
   static constexpr int kCellChannels = 6, kVertexChannels = 3;
   cv::Mat cells;     ///< f32 [6, rows * columns], cells row by row
@@ -38,7 +41,7 @@ class Network {
 
   const NetworkFile& file() const { return file_; }
 
-  /// `rgb` is f32 [height,width,3], 0 to 255. For the threads see Engine::run().
+  /// `rgb` is f32 [height + texture_px,width,3], 0 to 255. For the threads see Engine::run().
   Result<NetworkMaps> run(const cv::Mat& rgb, int threads);
 
  private:

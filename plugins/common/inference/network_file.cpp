@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/inference/network_file.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include "common/inference/network_keys.hpp"
@@ -38,23 +39,39 @@ void read_grids(const Keys& root, NetworkFile& file) {
                                     std::to_string(file.camera.width_px) + " x " +
                                     std::to_string(file.camera.height_px) + " px");
   }
+}
+
+/// The texture of a network for any texture, or the template of one for a single template.
+void read_template(const Keys& root, NetworkFile& file) {
+  if (root.has("texture")) {
+    for (const char* key : {"template", "vertices"}) {
+      if (!root.has(key)) continue;
+      fail_at(root.node(key), std::string("a network with 'texture' takes any template: remove '") +
+                                  key + "' or 'texture'");
+    }
+    const double widest = std::min(kMostPx, static_cast<double>(file.camera.width_px));
+    file.texture_px = root.map("texture", {"side_px"}).whole("side_px", 8.0, widest);
+    return;
+  }
   const Keys vertices = root.map("vertices", {"output", "columns", "rows"});
   file.vertices = {vertices.text("output"), vertices.whole("columns", 2.0, kMostGridNodes),
                    vertices.whole("rows", 2.0, kMostGridNodes)};
+  const Keys templ = root.map("template", {"width_m", "height_m", "texture_hash"});
+  file.templ = {templ.number("width_m", 1e-6, 1e3), templ.number("height_m", 1e-6, 1e3),
+                templ.hash("texture_hash")};
 }
 
 NetworkFile read_keys(const std::string& path, const YAML::Node& node) {
-  const Keys root(node, "",
-                  {"weft_network", "kind", "onnx", "onnx_hash", "image", "camera", "cells",
-                   "vertices", "template", "uv_error_factor", "training", "licence", "comment"});
+  const Keys root(
+      node, "",
+      {"weft_network", "kind", "onnx", "onnx_hash", "image", "camera", "cells", "vertices",
+       "template", "texture", "uv_error_factor", "training", "licence", "comment"});
   root.require("kind", "registration");
   NetworkFile file;
   static_cast<OnnxFile&>(file) = read_onnx_file(root, path);
   read_image(root, file);
   read_grids(root, file);
-  const Keys templ = root.map("template", {"width_m", "height_m", "texture_hash"});
-  file.templ = {templ.number("width_m", 1e-6, 1e3), templ.number("height_m", 1e-6, 1e3),
-                templ.hash("texture_hash")};
+  read_template(root, file);
   file.uv_error_factor = root.number("uv_error_factor", 1e-3, 1e3);
   return file;
 }

@@ -7,7 +7,7 @@
 
 #include "common/inference/onnx_file.hpp"
 
-/// Networks that were trained for one template: files, checks and the forward pass.
+/// Networks that find a template in an image: files, checks and the forward pass.
 namespace weft::inference {
 
 /// Grid of cells over the network's image. Cell (i, j), row and column, has its centre at
@@ -34,11 +34,16 @@ struct TrainedTemplate {
 struct NetworkFile : OnnxFile {
   Camera camera;  ///< camera and size of the network's image
   CellGrid cells;
-  VertexGrid vertices;
-  TrainedTemplate templ;
+  VertexGrid vertices;    ///< if the network is for one template
+  TrainedTemplate templ;  ///< if the network is for one template
+  int texture_px = 0;     ///< side of the square with the texture below the image; 0: one template
   double uv_error_factor = 1.0;  ///< expected error of uv = factor * exp(log error)
 
-  std::vector<std::string> outputs() const { return {cells.output, vertices.output}; }
+  bool is_for_any_texture() const { return texture_px > 0; }
+  std::vector<std::string> outputs() const {
+    if (is_for_any_texture()) return {cells.output};
+    return {cells.output, vertices.output};
+  }
 };
 
 /// Reads and checks a network file. An error has the place in the file and the correction.

@@ -26,6 +26,14 @@ bool is_same_camera(const Camera& a, const Camera& b) {
          a.height_px == b.height_px;
 }
 
+cv::Size size_of(const Array<std::uint8_t>& pixels) {
+  return {static_cast<int>(pixels.dim(1)), static_cast<int>(pixels.dim(0))};
+}
+
+bool has_known_channels(const Array<std::uint8_t>& pixels) {
+  return pixels.ndim() == 2 || (pixels.ndim() == 3 && (pixels.dim(2) == 1 || pixels.dim(2) == 3));
+}
+
 /// Positions of the seen cells in their list, -1 where a cell is not seen.
 class CellIndex {
  public:
@@ -107,17 +115,12 @@ Result<void> Registration::prepare(const NetworkChoice& choice, const Template& 
   }
   if (templ.revision == 0 || templ.revision != checked_revision_) {
     checked_revision_ = 0;
-    const auto sheet = flat_sheet(templ);
-    if (!sheet) return about("template", sheet.error());
-    if (auto same = check_same_template(file(), templ, *sheet); !same) {
-      return about("network", same.error());
-    }
-    sheet_ = *sheet;
+    if (auto taken = take_template(templ); !taken) return taken;
     checked_revision_ = templ.revision;
   }
   if (map_ && is_same_camera(camera, camera_)) return {};
   map_.reset();
-  auto map = InputMap::create(camera, file().camera);
+  auto map = map_of(camera);
   if (!map) return about("camera", map.error());
   map_ = *std::move(map);
   camera_ = camera;
@@ -125,17 +128,62 @@ Result<void> Registration::prepare(const NetworkChoice& choice, const Template& 
   return {};
 }
 
+Result<void> Registration::take_template(const Template& templ) {
+  const auto sheet = flat_sheet(templ);
+  if (!sheet) return about("template", sheet.error());
+  const int side_px = file().texture_px;
+  if (!file().is_for_any_texture()) {
+    if (auto same = check_same_template(file(), templ, *sheet); !same) {
+      return about("network", same.error());
+    }
+    unit_m_ = file().templ.width_m;
+  } else {
+    const Array<std::uint8_t>& texture = templ.texture;
+    if (!has_known_channels(texture)) {
+      return about(
+          "template",
+          Error{Errc::invalid_data,
+                "the texture must have one or three channels for the network " + file().path});
+    }
+    to_texture_ = InputMap::fit(size_of(texture), {side_px, side_px});
+    texture_ =
+        cv::Mat(side_px, static_cast<int>(file().camera.width_px), CV_32FC3, cv::Scalar::all(0.0));
+    to_texture_.image(texture).copyTo(texture_.colRange(0, side_px));
+    unit_m_ = side_px / to_texture_.scale()[0] * sheet->size_m.x() / sheet->size_px.x();
+  }
+  sheet_ = *sheet;
+  return {};
+}
+
+Result<InputMap> Registration::map_of(const Camera& camera) const {
+  const Camera& trained = file().camera;
+  // Only the depth depends on the focal length there, and seen_cells() scales it.
+  const bool has_size = camera.width_px > 0 && camera.height_px > 0 && camera.fx > 0.0;
+  if (!file().is_for_any_texture() || !has_size) return InputMap::create(camera, trained);
+  return InputMap::fit({static_cast<int>(camera.width_px), static_cast<int>(camera.height_px)},
+                       {static_cast<int>(trained.width_px), static_cast<int>(trained.height_px)});
+}
+
+Eigen::Array2d Registration::uv_of(double first, double second) const {
+  if (!file().is_for_any_texture()) return {first, second};
+  const int side_px = file().texture_px;
+  const auto texel = to_texture_.to_frame(side_px * first - 0.5, side_px * second - 0.5);
+  return (Eigen::Array2d(texel[0], texel[1]) - sheet_.corner_px) / sheet_.size_px;
+}
+
 Result<NetworkMaps> Registration::run(const Image& image, int threads) {
   const Array<std::uint8_t>& pixels = image.pixels;
   const bool has_size =
       pixels.rows() > 0 && pixels.dim(0) == camera_.height_px && pixels.dim(1) == camera_.width_px;
-  if (!has_size || (pixels.ndim() == 3 && pixels.dim(2) != 1 && pixels.dim(2) != 3)) {
+  if (!has_size || !has_known_channels(pixels)) {
     return about("image", Error{Errc::invalid_data, "the image must have the size of the camera, " +
                                                         std::to_string(camera_.width_px) + " x " +
                                                         std::to_string(camera_.height_px) +
                                                         " px, and one or three channels"});
   }
-  return network_->run(map_->image(pixels), threads);
+  cv::Mat rgb = map_->image(pixels);
+  if (file().is_for_any_texture()) cv::vconcat(rgb, texture_, rgb);
+  return network_->run(rgb, threads);
 }
 
 Eigen::Array2d Registration::cell_px() const {
@@ -175,6 +223,9 @@ std::vector<SeenCell> Registration::seen_cells(const NetworkMaps& maps,
                                                double least_probability) const {
   const CellGrid& grid = file().cells;
   const double centre_px = 0.5 * (grid.step_px - 1);
+  const double depth_unit_m = file().is_for_any_texture()
+                                  ? unit_m_ * map_->scale()[0] * camera_.fx / file().camera.fx
+                                  : 1.0;
   std::vector<SeenCell> cells;
   for (int i = 0; i < grid.rows; ++i) {
     for (int j = 0; j < grid.columns; ++j) {
@@ -185,12 +236,12 @@ std::vector<SeenCell> Registration::seen_cells(const NetworkMaps& maps,
       if (!(probability >= least_probability)) continue;
       const auto place = map_->to_frame(grid.step_px * j + centre_px, grid.step_px * i + centre_px);
       if (!camera_.shows(place[0], place[1])) continue;
-      SeenCell cell{i, j, {place[0], place[1]}, {channel(1), channel(2)}, probability};
+      SeenCell cell{i, j, {place[0], place[1]}, uv_of(channel(1), channel(2)), probability};
       const auto exponential = [&](int c) {
         return std::exp(std::clamp(channel(c), -kMostLogarithm, kMostLogarithm));
       };
-      cell.error_m = file().uv_error_factor * exponential(3) * file().templ.width_m;
-      cell.depth_m = exponential(4);
+      cell.error_m = file().uv_error_factor * exponential(3) * unit_m_;
+      cell.depth_m = exponential(4) * depth_unit_m;
       cell.depth_error_m = cell.depth_m * exponential(5);
       cells.push_back(cell);
     }

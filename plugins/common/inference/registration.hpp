@@ -31,7 +31,8 @@ struct SeenCell {
 /// A network with the template and the camera of a run.
 class Registration {
  public:
-  /// Opens the network on the first call. Checks template and camera whenever they change.
+  /// Opens the network on the first call. Checks template and camera whenever they change. A
+  /// network for any texture takes every flat template with a texture, and every camera.
   Result<void> prepare(const NetworkChoice& choice, const Template& templ, const Camera& camera);
 
   /// The output for a frame of this camera; requires prepare().
@@ -61,11 +62,19 @@ class Registration {
   Eigen::Array2d cell_px() const;
 
  private:
+  Result<void> take_template(const Template& templ);
+  Result<InputMap> map_of(const Camera& camera) const;
+  /// Shares of width and height from two channels of the cells.
+  Eigen::Array2d uv_of(double first, double second) const;
+
   std::optional<Network> network_;
   std::string path_;
   std::optional<InputMap> map_;
   Camera camera_;
   FlatSheet sheet_;
+  cv::Mat texture_;      ///< rows below the image; empty for a network of one template
+  InputMap to_texture_;  ///< from the texture to its square in those rows
+  double unit_m_ = 0.0;  ///< unit of the network's x, y and their error
   std::uint64_t checked_revision_ = 0;
 };
 

@@ -50,14 +50,11 @@ class MeshNet final : public Solver {
 
   void check(Mistakes& mistakes) const { choice_.check(mistakes); }
 
-  Result<void> prepare(const PrepareInput& in) override {
-    return registration_.prepare(choice_, in.templ, in.camera);
-  }
+  Result<void> prepare(const PrepareInput& in) override { return ready(in.templ, in.camera); }
 
   Result<Shape> solve(const SolverInput& in) override {
     if (!in.image) return Error{Errc::invalid_data, "needs 'image'"};
-    auto ready = registration_.prepare(choice_, in.templ, in.camera);
-    if (!ready) return ready.error();
+    if (auto prepared = ready(in.templ, in.camera); !prepared) return prepared.error();
     const auto maps = registration_.run(*in.image, in.call.threads());
     if (!maps) return maps.error();
     const std::vector<SeenCell> seen = registration_.seen_cells(*maps, choice_.least_probability);
@@ -68,6 +65,14 @@ class MeshNet final : public Solver {
   }
 
  private:
+  Result<void> ready(const Template& templ, const Camera& camera) {
+    auto prepared = registration_.prepare(choice_, templ, camera);
+    if (!prepared || !registration_.file().is_for_any_texture()) return prepared;
+    return about("network", Error{Errc::unsupported,
+                                  choice_.path + ": a network for any texture has no vertices: use "
+                                                 "matchers/dense_net"});
+  }
+
   const inference::VertexGrid& grid() const { return registration_.file().vertices; }
 
   /// The nodes [columns * rows, 3] m, camera frame.

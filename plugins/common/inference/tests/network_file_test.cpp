@@ -94,5 +94,19 @@ TEST_F(NetworkFileTest, DescribesOneOnnxFileOnly) {
   EXPECT_THAT(is_folder.error().message, HasSubstr("is a folder"));
 }
 
+TEST_F(NetworkFileTest, HasATextureOrATemplate) {
+  TestNetwork any;
+  any.texture_px = 120;
+  testing::write_file(folder.file("net.yaml"), any.yaml("00112233445566aa"));
+  const auto file = read_network_file(folder.file("net.yaml"));
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_EQ(file->texture_px, 120);
+  EXPECT_EQ(file->outputs(), std::vector<std::string>{"cells"});
+  EXPECT_THAT(reason("uv_error_factor", "texture: {side_px: 96}\nuv_error_factor"),
+              HasSubstr("remove 'template' or 'texture'"));
+  EXPECT_THAT(reason(replaced(any.yaml("00112233445566aa"), "side_px: 120", "side_px: 161")),
+              HasSubstr("'texture.side_px' must be a number from 8 to 160"));
+}
+
 }  // namespace
 }  // namespace weft::inference

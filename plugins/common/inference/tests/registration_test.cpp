@@ -113,5 +113,63 @@ TEST_F(RegistrationTest, RefusesAnImageOfAnotherSize) {
   EXPECT_THAT(refused.error().message, HasSubstr("640 x 480 px"));
 }
 
+/// A network that sees the object where the texture is red, and everywhere the same place of it.
+struct AnyTextureTest : RegistrationTest {
+  AnyTextureTest() {
+    network.texture_px = 120;
+    network.from_rgb[0] = 0.1F;
+    for (int k = 0; k < network.cell_count(); ++k) {
+      const float values[] = {-12.8F, 0.5F, 0.25F, std::log(0.01F), std::log(2.0F), -3.0F};
+      for (int c = 0; c < 6; ++c) network.cell(c, k / 40, k % 40) = values[c];
+    }
+    templ.texture = Array<std::uint8_t>({575, 960, 3}, 0);
+    for (int v = 0; v < 575; ++v) {
+      for (int u = 0; u < 480; ++u) templ.texture.row(v)[3 * u + 2] = 255;
+    }
+  }
+  std::string refusal() {
+    const auto prepared = registration.prepare({network.write(folder)}, templ, camera);
+    return prepared ? "" : prepared.error().message;
+  }
+};
+
+TEST_F(AnyTextureTest, TakesTheTextureOfTheTemplateBelowTheImage) {
+  network.uv_error_factor = 2.0;
+  const std::vector<SeenCell> cells = seen();
+  // 960 texels are 120 px, so that the left half of the texture is the cells of 60 px.
+  ASSERT_EQ(cells.size(), 15U * 30U);
+  for (const SeenCell& cell : cells) {
+    EXPECT_LT(cell.column, 15);
+    EXPECT_NEAR(cell.uv.x(), 480.0 / 960.0, 1e-6);
+    EXPECT_NEAR(cell.uv.y(), 240.0 / 575.0, 1e-6) << "a quarter of the square is 240 texels";
+    EXPECT_NEAR(cell.error_m, 2.0 * 0.01 * 0.297, 1e-6);
+    EXPECT_NEAR(cell.depth_m, 2.0 * 0.297, 1e-5) << "twice the longer side";
+  }
+}
+
+TEST_F(AnyTextureTest, TakesEveryCameraAndScalesTheDepthByItsFocalLength) {
+  camera = {1000.0, 1000.0, 239.5, 319.5, 480, 640};
+  const std::vector<SeenCell> cells = seen();
+  // The frame is 90 px wide in the image of the network: only its cells count.
+  ASSERT_EQ(cells.size(), 15U * 30U);
+  EXPECT_NEAR(cells[0].depth_m, 2.0 * 0.297 * (1000.0 * 120.0 / 640.0) / 205.0, 1e-5);
+  EXPECT_NEAR(cells[0].image_px.x(), 2.0 * 640.0 / 120.0 - 0.5, 1e-9);
+}
+
+TEST_F(AnyTextureTest, RefusesTexturesThatItCannotShow) {
+  templ.texture = Array<std::uint8_t>({575, 960, 2}, 0);
+  EXPECT_THAT(refusal(), HasSubstr("the texture must have one or three channels"));
+  templ.texture = {};
+  EXPECT_THAT(refusal(), HasSubstr("has no mesh or no texture"));
+}
+
+TEST_F(AnyTextureTest, RefusesAnotherSideThanThatOfTheOnnxFile) {
+  const std::string onnx = network.model().bytes();
+  network.texture_px = 96;
+  const auto refused = registration.prepare({network.write(folder, onnx)}, templ, camera);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("net.onnx"));
+}
+
 }  // namespace
 }  // namespace weft::inference

@@ -71,7 +71,7 @@ inline void write_file(const std::string& path, const std::string& bytes) {
 }
 
 /// A network whose answer is `cells` and `vertices`, whatever it sees, plus `from_rgb` times the
-/// mean colour of each cell.
+/// mean colour of each cell. A network for any texture takes this colour from the texture's cells.
 struct TestNetwork {
   Camera camera{205.0, 205.0, 79.5, 59.5, 160, 120};
   int step_px = 4;
@@ -79,6 +79,7 @@ struct TestNetwork {
   double width_m = 0.297, height_m = 0.178;
   std::string texture_hash = "0123456789abcdef";
   double uv_error_factor = 1.0;
+  int texture_px = 0;                    ///< 0: a network for one template; else the image's height
   std::array<float, 18> from_rgb{};      ///< [6,3] of each channel of the cells
   std::vector<float> cells, vertices{};  ///< [6,R,C] and [3,V]; zeros where empty
 
@@ -108,7 +109,7 @@ struct TestNetwork {
     const auto sampled = [](std::int64_t px) { return size_t((px - 1) / kStride + 1); };
     const std::uint64_t samples = sampled(camera.width_px) * sampled(camera.height_px);
     OnnxModel made;
-    made.inputs = {{"image", {1, 3, size(camera.height_px), size(camera.width_px)}}};
+    made.inputs = {{"image", {1, 3, size(camera.height_px + texture_px), size(camera.width_px)}}};
     made.outputs = {{"cells", {1, 6, size(rows()), size(columns())}},
                     {"vertices", {1, 3, size(node_count())}}};
     made.tensors = {f32_tensor("kernel", {6, 3, step, step}, kernel),
@@ -140,6 +141,17 @@ struct TestNetwork {
                   {"Flatten", {"samples"}, {"flat"}, {}, {{"axis", 1}}},
                   {"Gemm", {"flat", "weights", "nodes"}, {"listed"}, {}, {{"transB", 1}}},
                   {"Reshape", {"listed", "shape"}, {"vertices"}}};
+    if (texture_px > 0) {
+      made.outputs.pop_back();
+      made.nodes.resize(2);  // those of the cells
+      made.nodes[1].inputs[0] = "below";
+      made.nodes.insert(made.nodes.begin() + 1,
+                        {"Slice", {"means", "from", "to", "axis"}, {"below"}});
+      for (const auto& [name, value] :
+           {std::pair{"from", rows()}, {"to", 2 * rows()}, {"axis", 2}}) {
+        made.tensors.push_back(i64_tensor(name, {value}));
+      }
+    }
     return made;
   }
 
@@ -151,10 +163,15 @@ struct TestNetwork {
          << ", height_px: " << camera.height_px << ", colours: rgb}\ncamera: {fx: " << camera.fx
          << ", fy: " << camera.fy << ", cx: " << camera.cx << ", cy: " << camera.cy
          << "}\ncells: {output: cells, step_px: " << step_px << ", columns: " << columns()
-         << ", rows: " << rows() << "}\nvertices: {output: vertices, columns: " << grid_columns
-         << ", rows: " << grid_rows << "}\ntemplate: {width_m: " << width_m
-         << ", height_m: " << height_m << ", texture_hash: " << texture_hash
-         << "}\nuv_error_factor: " << uv_error_factor
+         << ", rows: " << rows();
+    if (texture_px > 0) {
+      text << "}\ntexture: {side_px: " << texture_px;
+    } else {
+      text << "}\nvertices: {output: vertices, columns: " << grid_columns << ", rows: " << grid_rows
+           << "}\ntemplate: {width_m: " << width_m << ", height_m: " << height_m
+           << ", texture_hash: " << texture_hash;
+    }
+    text << "}\nuv_error_factor: " << uv_error_factor
          << "\ntraining: {seed: 1}\nlicence: Apache-2.0\n";
     return text.str();
   }

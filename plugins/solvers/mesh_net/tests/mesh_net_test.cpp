@@ -141,6 +141,14 @@ TEST_F(MeshNet, NeedsAFlatTemplateOfItsTraining) {
   EXPECT_THAT(plugin.process(0, inputs()).message, HasSubstr("trained for another template"));
 }
 
+TEST_F(MeshNet, RefusesANetworkForAnyTexture) {
+  network.texture_px = 120;
+  PluginUnderTest plugin("solvers/mesh_net", params());
+  const auto refused = plugin.prepare(templ, camera);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("has no vertices: use matchers/dense_net"));
+}
+
 TEST_F(MeshNet, IsAnInitialGuessOfGaussNewton) {
   std::cout << "seed " << kMatchSeed << "\n";
   Rng rng(kMatchSeed);
