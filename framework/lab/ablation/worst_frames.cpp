@@ -91,13 +91,16 @@ std::vector<std::pair<std::string, std::string>> WorstFrames::draw(
       if (record != nullptr) inputs.push_back(record->view(slot.c_str()));
     }
     context.call(**sink, kWriteFrame, inputs, frame.index);
+  }
+  // A sink may write its files later than the call of their frame, but not later than here.
+  context.call(**sink, kFinishSink, {}, host::kOfflineFrame);
+  for (const Frame& frame : frames_) {
     const std::string name = fmt::format("{:06}.png", frame.index);
     std::ifstream stream(scratch.path() + "/worst/" + name, std::ios::binary);
     if (stream)
       pictures.emplace_back("worst_" + name,
                             std::string(std::istreambuf_iterator<char>(stream), {}));
   }
-  context.call(**sink, kFinishSink, {}, host::kOfflineFrame);
   return pictures;
 }
 
