@@ -76,8 +76,8 @@ Licences of the components
 AFTER = """
 Debian builds OpenCV with libraries under the GPL: a process that loads its module imgcodecs loads
 Poppler and x265 (by GDAL), one that loads videoio also x264 and Xvid (by FFmpeg). Weft calls none of
-them itself, except that sinks/overlay selects x264 for an .mp4 where FFmpeg has it. An OpenCV that is
-built without GDAL and an FFmpeg that is built without x264 and Xvid load none. Whoever passes on
+them itself, except that sinks/overlay selects x264 for an .mp4 where FFmpeg has it. None is loaded
+if OpenCV is built without GDAL, and FFmpeg without x264 and Xvid. Whoever passes on
 binaries together with such packages has to keep to their licences.
 Debian builds Ceres with SuiteSparse, parts of which (of CHOLMOD, SPQR) are under the GPL: a process
 that loads solvers/brunet_refine loads them. Weft asks Ceres for Eigen's solver instead; a Ceres that
