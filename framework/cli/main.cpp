@@ -8,6 +8,7 @@
 #include "cli/output/standard_output.hpp"
 #include "cli/run/sudden_end.hpp"
 #include "cli/shell/wrong_words.hpp"
+#include "host/records/memory_pool.hpp"
 
 namespace {
 
@@ -73,12 +74,19 @@ int run_command(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
   weft::cli::guard_standard_streams();
+  weft::host::keep_freed_memory();
   const weft::cli::SuddenEndWatch watch;
   const auto arguments = weft::cli::expand_arguments(argc, argv);
   if (!arguments) {
     weft::cli::print_error(arguments.error());
     return weft::cli::kBadConfiguration;
   }
-  const int exit_code = run_command(*arguments);
-  return weft::cli::standard_output_failed() ? weft::cli::kInputOutput : exit_code;
+  int exit_code = run_command(*arguments);
+  if (weft::cli::standard_output_failed()) exit_code = weft::cli::kInputOutput;
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(WEFT_COVERAGE)
+  // Handlers and destructors that libraries have registered could crash, hang or print.
+  std::fflush(nullptr);
+  weft::cli::end_at_once(exit_code);
+#endif
+  return exit_code;
 }

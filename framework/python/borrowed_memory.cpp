@@ -12,8 +12,8 @@ struct Element {
 };
 
 /// Indexed by weft_dtype.
-constexpr Element kElements[] = {{nullptr, 0}, {"B", 1}, {"b", 1}, {"H", 2}, {"h", 2},
-                                 {"i", 4},     {"l", 8}, {"f", 4}, {"d", 8}};
+constexpr Element kElements[] = {{nullptr, 0}, {"B", 1}, {"b", 1}, {"H", 2}, {"h", 2}, {"i", 4},
+                                 {"l", 8},     {"f", 4}, {"d", 8}, {"e", 2}, {"I", 4}, {"L", 8}};
 
 int refuse(Py_buffer* view, const char* why) {
   view->obj = nullptr;

@@ -44,9 +44,6 @@ PyObject* alloc(PyObject* self, PyObject* arguments) {
 PyObject* invoke(PyObject* self, PyObject* arguments) {
   return in_scope(self, [&](CallScope& scope) { return scope.invoke(arguments); });
 }
-PyObject* judge(PyObject* self, PyObject* arguments) {
-  return in_scope(self, [&](CallScope& scope) { return scope.judge(arguments); });
-}
 PyObject* cancelled(PyObject* self, PyObject*) {
   return in_scope(self, [](CallScope& scope) {
     return PyBool_FromLong(scope.call().host->cancelled(&scope.call()));
@@ -72,10 +69,11 @@ void end(PyObject* self) {
 PyTypeObject* type_of_calls() {
   static PyTypeObject* type = nullptr;
   if (type != nullptr) return type;
-  static PyMethodDef methods[] = {
-      {"alloc", &alloc, METH_VARARGS, nullptr},   {"cancelled", &cancelled, METH_NOARGS, nullptr},
-      {"invoke", &invoke, METH_VARARGS, nullptr}, {"judge", &judge, METH_VARARGS, nullptr},
-      {"log", &log, METH_VARARGS, nullptr},       {nullptr, nullptr, 0, nullptr}};
+  static PyMethodDef methods[] = {{"alloc", &alloc, METH_VARARGS, nullptr},
+                                  {"cancelled", &cancelled, METH_NOARGS, nullptr},
+                                  {"invoke", &invoke, METH_VARARGS, nullptr},
+                                  {"log", &log, METH_VARARGS, nullptr},
+                                  {nullptr, nullptr, 0, nullptr}};
   static PyMemberDef members[] = {
       {"frame", T_ULONGLONG, offsetof(CallObject, frame), READONLY, nullptr},
       {"seed", T_ULONGLONG, offsetof(CallObject, seed), READONLY, nullptr},

@@ -3,15 +3,22 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <utility>
-#include <weft/data/matrix.hpp>
-#include <weft/sdk/solver.hpp>
+#include <weft/sdk/process.hpp>
 
 #include "borrowed_memory.hpp"
 #include "call_object.hpp"
 
 namespace weft::python {
 namespace {
+
+/// What a record has beside its arrays, which Python passes on as bytes.
+struct RecordOrigin {
+  std::int64_t frame = WEFT_NO_FRAME;
+  std::int32_t view = 0, object = 0;
+  std::array<std::uint64_t, 3> reserved{};
+};
 
 /// Records that Python passes to another component, for as long as their arrays are held.
 class PassedRecords {
@@ -23,7 +30,8 @@ class PassedRecords {
   PassedRecords(const PassedRecords&) = delete;
   PassedRecords& operator=(const PassedRecords&) = delete;
 
-  /// Reads [(slot, type, revision, producer, [(name, dtype, array)])]; false with an exception.
+  /// Reads [(slot, type, revision, producer, origin, [(name, dtype, array)])]; false with an
+  /// exception.
   bool read(PyObject* list) {
     const Py_ssize_t count = PyList_Size(list);
     arrays_.reserve(count > 0 ? static_cast<std::size_t>(count) : 0);
@@ -31,17 +39,25 @@ class PassedRecords {
       weft_record record{};
       unsigned long long revision = 0, producer = 0;
       PyObject* arrays = nullptr;
-      if (PyArg_ParseTuple(PyList_GetItem(list, i), "ssKKO!", &record.slot, &record.type, &revision,
-                           &producer, &PyList_Type, &arrays) == 0) {
+      const char* origin = nullptr;
+      Py_ssize_t origin_bytes = 0;
+      if (PyArg_ParseTuple(PyList_GetItem(list, i), "ssKKy#O!", &record.slot, &record.type,
+                           &revision, &producer, &origin, &origin_bytes, &PyList_Type,
+                           &arrays) == 0) {
         return false;
       }
+      RecordOrigin of;
+      if (origin_bytes == Py_ssize_t{sizeof(of)}) std::memcpy(&of, origin, sizeof(of));
       std::vector<weft_array>& of_record = arrays_.emplace_back();
       for (Py_ssize_t k = 0; k < PyList_Size(arrays); ++k) {
         if (!read_array(PyList_GetItem(arrays, k), of_record.emplace_back())) return false;
       }
       record.revision = revision;
       record.producer = producer;
-      record.frame = WEFT_NO_FRAME;
+      record.frame = of.frame;
+      record.view = of.view;
+      record.object = of.object;
+      std::copy(of.reserved.begin(), of.reserved.end(), record.reserved);
       record.count = of_record.size();
       record.arrays = of_record.data();
       records_.push_back(record);
@@ -94,16 +110,18 @@ Ref CallScope::records(const weft_record* records, std::uint64_t count) {
     Ref arrays(PyList_New(0));
     for (std::uint64_t k = 0; arrays && k < record.count; ++k) {
       const weft_array& array = record.arrays[k];
-      if (array.memory == WEFT_DEVICE) continue;
+      if (array.memory == WEFT_DEVICE || dtype_size(array.dtype) == 0) continue;
       const Ref memory = borrowed(lend(record.slot, array.name, array.data, array.dtype, array.ndim,
                                        array.shape, array.stride, false));
       const Ref item(memory ? Py_BuildValue("(sO)", array.name, memory.get()) : nullptr);
       if (!item || PyList_Append(arrays.get(), item.get()) != 0) return {};
     }
     if (!arrays) return {};
-    const Ref item(Py_BuildValue("(s(sKKO))", record.slot, record.type,
-                                 static_cast<unsigned long long>(record.revision),
-                                 static_cast<unsigned long long>(record.producer), arrays.get()));
+    const RecordOrigin of{record.frame, record.view, record.object, std::to_array(record.reserved)};
+    const Ref item(Py_BuildValue(
+        "(s(sKKy#O))", record.slot, record.type, static_cast<unsigned long long>(record.revision),
+        static_cast<unsigned long long>(record.producer), reinterpret_cast<const char*>(&of),
+        Py_ssize_t{sizeof(of)}, arrays.get()));
     if (!item || PyList_Append(list.get(), item.get()) != 0) return {};
   }
   return list;
@@ -143,8 +161,8 @@ PyObject* CallScope::alloc(PyObject* arguments) {
     shape[static_cast<std::size_t>(axis)] = PyLong_AsLongLong(PyTuple_GetItem(axes, axis));
   }
   if (PyErr_Occurred() != nullptr) return nullptr;
-  void* data = call_.host->alloc(&call_, slot, type, name, dtype, static_cast<std::int32_t>(ndim),
-                                 shape.data());
+  void* data =
+      weft_alloc(&call_, slot, type, name, dtype, static_cast<std::int32_t>(ndim), shape.data());
   if (data == nullptr) Py_RETURN_NONE;
   // The host keeps no names for us, and those of Python may be gone when the call ends.
   return borrowed(lend("its outputs", "an array", data, dtype, static_cast<std::int32_t>(ndim),
@@ -178,31 +196,6 @@ PyObject* CallScope::invoke(PyObject* arguments) {
   const Ref answer = records(asked.outputs, usable ? asked.output_count : 0);
   if (!answer) return nullptr;
   return Py_BuildValue("(iisO)", status, error.code, error.message, answer.get());
-}
-
-PyObject* CallScope::judge(PyObject* arguments) {
-  PyObject* vertices = nullptr;
-  double confidence = 0.0;
-  if (PyArg_ParseTuple(arguments, "Od", &vertices, &confidence) == 0) return nullptr;
-  weft_error error = kNoError;
-  const ProcessCall process(call_, inputs_, input_count_, &error);
-  SolverInput input{Call(call_)};
-  if (const auto read = process.read_slots(input); !read) Py_RETURN_NONE;
-  Py_buffer buffer{};
-  if (PyObject_GetBuffer(vertices, &buffer, PyBUF_C_CONTIGUOUS) != 0) return nullptr;
-  const bool is_mesh = buffer.ndim == 2 && buffer.itemsize == Py_ssize_t{sizeof(double)} &&
-                       buffer.shape[0] == input.templ.vertices_m.rows() && buffer.shape[1] == 3;
-  if (!is_mesh) {
-    PyBuffer_Release(&buffer);
-    Py_RETURN_NONE;
-  }
-  const auto shape_m =
-      Array<double>::borrow(static_cast<const double*>(buffer.buf), 2, {buffer.shape[0], 3}, 3);
-  const ShapeEvidence evidence = shape_evidence(input.templ, input.camera, shape_m.matrix<3>(),
-                                                input.correspondences, input.sightlines);
-  const auto state = static_cast<int>(state_of(evidence, confidence));
-  PyBuffer_Release(&buffer);
-  return Py_BuildValue("(iiid)", state, evidence.agreeing, evidence.kept, evidence.coverage);
 }
 
 }  // namespace weft::python

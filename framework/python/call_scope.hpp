@@ -31,7 +31,6 @@ class CallScope {
   /// The methods of the call's object; null with an exception.
   PyObject* alloc(PyObject* arguments);
   PyObject* invoke(PyObject* arguments);
-  PyObject* judge(PyObject* arguments);
   const weft_call& call() const { return call_; }
 
  private:

@@ -33,6 +33,14 @@ def number(value):
     return repr(float(value))
 
 
+def integers_in(low, high):
+    """The ends of a range of integers, as C++."""
+    first = math.ceil(low) if low > -2.0 ** 63 else None
+    last = math.floor(high) if high < 2.0 ** 63 else None
+    return ("INT64_MIN" if first is None else f"std::int64_t{{{first}}}",
+            "INT64_MAX" if last is None else f"std::int64_t{{{last}}}")
+
+
 class Table:
     """The text of the file."""
 
@@ -67,10 +75,12 @@ class Table:
         data, count = self.default(parameter)
         choices = self.array("const char*", [quoted(each) for each in parameter.choices])
         low, high = parameter.bounds or (-math.inf, math.inf)
+        first, last = integers_in(low, high)
         value = (f"{{{quoted(name)}, WEFT_VALUE_{TYPES[parameter.kind]}, {int(parameter.is_list)}, {count}, "
                  f"{data}, {{}}}}")
         return (f"{{sizeof(weft_parameter), 0, {value}, {quoted(parameter.unit)}, "
-                f"{quoted(parameter.meaning)}, {number(low)}, {number(high)}, {choices}, "
+                f"{quoted(parameter.meaning)}, {number(low)}, {number(high)}, "
+                f"{first}, {last}, {choices}, "
                 f"{len(parameter.choices)}, {quoted(parameter.role)}, {quoted(parameter.was)}, "
                 f"{int(parameter.required)}, 0}}")
 
@@ -190,7 +200,7 @@ constexpr const weft_component* kPointers[] = {{{pointers}}};
 }}  // namespace
 
 const weft_library_table weft_library = {{WEFT_ABI_MAGIC, WEFT_ABI_MAJOR, WEFT_ABI_MINOR,
-  sizeof(weft_library_table), std::size(kPointers), kPointers, WEFT_ISA, WEFT_COMPILER, 0, 0, 0, {{0, 0, 0, 0}}}};
+  sizeof(weft_library_table), std::size(kPointers), WEFT_ABI_NAME, kPointers, WEFT_ISA, WEFT_COMPILER, 0, 0, 0, {{0, 0, 0, 0}}}};
 """
 
 

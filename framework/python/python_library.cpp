@@ -99,12 +99,12 @@ std::string illegal_value(const weft_value& value, const weft_parameter& declare
   }
   for (std::uint64_t i = 0; i < value.count; ++i) {
     bool is_legal = true;
-    if (value.type == WEFT_VALUE_F64 || value.type == WEFT_VALUE_I64) {
-      const double number =
-          value.type == WEFT_VALUE_F64
-              ? static_cast<const double*>(value.data)[i]
-              : static_cast<double>(static_cast<const std::int64_t*>(value.data)[i]);
+    if (value.type == WEFT_VALUE_F64) {
+      const double number = static_cast<const double*>(value.data)[i];
       is_legal = number >= declared.minimum && number <= declared.maximum;
+    } else if (value.type == WEFT_VALUE_I64) {
+      const std::int64_t number = static_cast<const std::int64_t*>(value.data)[i];
+      is_legal = number >= declared.integer_minimum && number <= declared.integer_maximum;
     } else if (value.type == WEFT_VALUE_CHOICE) {
       const std::string_view word = static_cast<const char* const*>(value.data)[i];
       const auto* end = declared.choices + declared.choice_count;

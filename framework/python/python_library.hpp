@@ -54,7 +54,7 @@ struct Functions {
   static std::int32_t create(const weft_create* with, void** self, weft_error* error) {
     return python::create(kLibrary, kLibrary.declarations[kIndex], *with, self, error);
   }
-  static const void* get_extension(const char* name) {
+  static const void* get_extension(const weft_component* /*component*/, const char* name) {
     return python::extension(kLibrary.declarations[kIndex], name);
   }
 };

@@ -70,21 +70,20 @@ static int32_t process(void* self, const weft_call* call, const weft_record* inp
     }
   }
   if (length == NULL) return WEFT_ERROR;
-  uint8_t* kept =
-      call->host->alloc(call, "inlier_mask", "inlier_mask/1", "kept", WEFT_U8, 1, length);
-  double* score =
-      call->host->alloc(call, "inlier_mask", "inlier_mask/1", "score", WEFT_F64, 1, length);
+  uint8_t* kept = weft_alloc(call, "inlier_mask", "inlier_mask/1", "kept", WEFT_U8, 1, length);
+  double* score = weft_alloc(call, "inlier_mask", "inlier_mask/1", "score", WEFT_F64, 1, length);
   if (kept == NULL || score == NULL) return WEFT_ERROR;
   for (int64_t i = 0; i < length[0]; ++i) {
     kept[i] = 1;
     score[i] = 0.5;
   }
-  call->host->alloc(call, "depth", "depth/1", "depth_m", WEFT_F32, 1, length);
+  weft_alloc(call, "depth", "depth/1", "depth_m", WEFT_F32, 1, length);
   return WEFT_OK;
 }
 
 static void destroy(void* self) { (void)self; }
-static const void* get_extension(const char* name) {
+static const void* get_extension(const weft_component* component, const char* name) {
+  (void)component;
   return strcmp(name, "weft.later/1") == 0 ? &instance : NULL;
 }
 
@@ -129,6 +128,7 @@ const struct later_table later_library = {{WEFT_ABI_MAGIC,
                                            SDK_MINOR,
                                            sizeof(struct later_table),
                                            2,
+                                           WEFT_ABI_NAME,
                                            components,
                                            "",
                                            "synthetic 1.99",

@@ -78,7 +78,7 @@ std::int32_t prepare(void*, const weft_call*, const weft_record*, std::uint64_t,
 std::int32_t give(const weft_call* call, const char* slot, const char* type, const char* name,
                   std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape,
                   const void* data, std::size_t bytes) {
-  void* target = call->host->alloc(call, slot, type, name, dtype, ndim, shape);
+  void* target = weft_alloc(call, slot, type, name, dtype, ndim, shape);
   if (target == nullptr) return WEFT_ERROR;
   if (bytes > 0) std::memcpy(target, data, bytes);
   return WEFT_OK;
@@ -201,6 +201,7 @@ const weft_library_table weft_library = {WEFT_ABI_MAGIC,
                                          WEFT_ABI_MINOR,
                                          sizeof(weft_library_table),
                                          kPointers.size(),
+                                         WEFT_ABI_NAME,
                                          kPointers.data(),
                                          "",
                                          "by hand",

@@ -93,6 +93,20 @@ class IsolationTest : public testing::PipelineTest {
   }
 };
 
+TEST_F(IsolationTest, HandlersThatALibraryRegisteredDoNotRunAtTheEndOfAProgram) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(WEFT_COVERAGE)
+  GTEST_SKIP() << "this build runs them, for its own report";
+#endif
+  for (const std::string isolated : {", isolate: process", ""}) {
+    std::string text = deadly("{deed: at_exit, frame: 1}");
+    const std::string key = ", isolate: process";
+    text.replace(text.find(key), key.size(), isolated);
+    const Ended ended = run(write(text), path(isolated.empty() ? "here" : "worker"));
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    EXPECT_THAT(ended.out + ended.err, Not(HasSubstr("printed at the end")));
+  }
+}
+
 TEST_F(IsolationTest, AWorkerThatDiesCostsOneFrameAndPrintsNothingHere) {
   const Ended ended = run(write(deadly("{deed: crash, frame: 1}")), path("run"));
   EXPECT_EQ(ended.exit_code, 1) << ended.err;

@@ -90,11 +90,11 @@ TEST_F(Misbehaviour, OutputsThatNoReaderCouldUseAreErrors) {
   const std::vector<std::pair<std::string, std::string>> mistakes{
       {"shorter", "4 entries for 5"},
       {"disagree", "'score' has length 7 on axis 0 where N = 5 is expected"},
-      {"two_columns", "'score' has 2 axes where [N] is expected"},
+      {"two_columns", "'score' of inlier_mask/1: it has 2 axes where [N] is expected"},
       {"nan", "'score' holds NaN or infinity"},
       {"infinity", "'score' holds NaN or infinity"},
       {"absent", "'kept' is missing"},
-      {"bad_name", "refused the array 'diag.../../escape'"},
+      {"bad_name", "refused its array 'diag.../../escape'"},
       {"negative", "negative length"},
       {"no_flag", "array 'kept' holds 255 at [4] where 0 or 1 is expected"},
       {"too_sure", "array 'confidence' is 1.500000 where 0 to 1 is expected"}};

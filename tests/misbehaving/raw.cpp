@@ -34,8 +34,8 @@ std::int32_t describe(const weft_describe* sink, weft_error*) {
   sink->parameter(sink->context, &parameter);
   weft_parameter frame{};
   frame.struct_size = sizeof(frame);
-  frame.minimum = -1.0;
-  frame.maximum = 1e6;
+  frame.integer_minimum = -1;
+  frame.integer_maximum = 1'000'000;
   const std::int64_t all = -1;
   frame.default_value = {"frame", WEFT_VALUE_I64, 0, 1, &all, {}};
   frame.unit = frame.role = frame.was = "";
@@ -75,7 +75,7 @@ std::int64_t count_matches(const weft_record* inputs, std::uint64_t count) {
 
 /// Tries to allocate an array that the host must refuse; true when it did.
 bool is_refused(std::string_view mistake, const weft_call* call) {
-  const auto alloc = call->host->alloc;
+  const auto alloc = &weft_alloc;
   const std::int64_t length[] = {3, 3, 3, 3, 3, 3, 3};
   const std::int64_t negative[] = {-1};
   const std::int64_t large[] = {std::int64_t{1} << 42};
@@ -132,14 +132,14 @@ std::int32_t process(void* self, const weft_call* call, const weft_record* input
   if (mistake == "wrong_dtype" || mistake == "greedy") {
     const std::int32_t dtype = mistake == "greedy" ? WEFT_U8 : WEFT_F64;
     const std::int64_t length = mistake == "greedy" ? std::int64_t{1} << 40 : n;
-    call->host->alloc(call, "inlier_mask", "inlier_mask/1", "kept", dtype, 1, &length);
-    call->host->alloc(call, "inlier_mask", "inlier_mask/1", "score", WEFT_F64, 1, &n);
+    weft_alloc(call, "inlier_mask", "inlier_mask/1", "kept", dtype, 1, &length);
+    weft_alloc(call, "inlier_mask", "inlier_mask/1", "score", WEFT_F64, 1, &n);
     return WEFT_OK;
   }
   auto* kept = static_cast<std::uint8_t*>(
-      call->host->alloc(call, "inlier_mask", "inlier_mask/1", "kept", WEFT_U8, 1, &n));
+      weft_alloc(call, "inlier_mask", "inlier_mask/1", "kept", WEFT_U8, 1, &n));
   auto* score = static_cast<double*>(
-      call->host->alloc(call, "inlier_mask", "inlier_mask/1", "score", WEFT_F64, 1, &n));
+      weft_alloc(call, "inlier_mask", "inlier_mask/1", "score", WEFT_F64, 1, &n));
   for (std::int64_t i = 0; i < n; ++i) {
     kept[i] = 1;
     score[i] = 0.0;
@@ -176,6 +176,7 @@ const weft_library_table weft_library = {WEFT_ABI_MAGIC,
                                          WEFT_ABI_MINOR,
                                          sizeof(weft_library_table),
                                          1,
+                                         WEFT_ABI_NAME,
                                          &kPointer,
                                          "",
                                          "by hand",

@@ -80,7 +80,7 @@ const Misbehaviour kMisbehaviours[] = {
     {"WrongLength", "filters/test_wrong_output", "{mistake: shorter, frame: 1}",
      "23 entries for 24 of the input 'correspondences'"},
     {"WrongAxes", "filters/test_wrong_output", "{mistake: two_columns, frame: 1}",
-     "'score' has 2 axes where [N] is expected"},
+     "'score' of inlier_mask/1: it has 2 axes where [N] is expected"},
     {"NotANumber", "filters/test_wrong_output", "{mistake: nan, frame: 1}",
      "'score' holds NaN or infinity"},
     {"NoFlag", "filters/test_wrong_output", "{mistake: no_flag, frame: 1}",

@@ -63,7 +63,7 @@ PIPELINE = {
     ],
     "sinks": [{"use": "sinks/test.scripted", "as": "lines", "params": {"path": "a.txt"},
                "overwrite": True}],
-    "seed": 0, "lost_after": 30, "on_error": "continue", "max_failed": 0, "frames_at_once": 1,
+    "seed": 0, "lost_after": 30, "on_error": "continue", "max_failed": 0, "frames_at_once": 0,
     "threads": 0, "realtime": "all", "sequence": True,
 }
 PLAN = {

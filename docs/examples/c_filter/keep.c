@@ -101,8 +101,8 @@ static int32_t process(void* self, const weft_call* call, const weft_record* inp
   }
   const uint8_t* before = marks->data;
   const int64_t n = marks->shape[0];
-  uint8_t* kept = call->host->alloc(call, output, output_type, "kept", WEFT_U8, 1, &n);
-  double* score = call->host->alloc(call, output, output_type, "score", WEFT_F64, 1, &n);
+  uint8_t* kept = weft_alloc(call, output, output_type, "kept", WEFT_U8, 1, &n);
+  double* score = weft_alloc(call, output, output_type, "score", WEFT_F64, 1, &n);
   if (!kept || !score) return say(error, WEFT_ERROR, WEFT_CODE_NO_MEMORY, "no room for the mask");
   int64_t left = 0, total = 0; /* the scores are the scratch of the medians until they are known */
   const double x_px = usual_motion(from, to, before, 0, score, &left);
@@ -144,6 +144,7 @@ const weft_library_table weft_library = {
     .sdk_minor = WEFT_ABI_MINOR,
     .struct_size = sizeof(weft_library_table),
     .count = 1,
+    .abi = WEFT_ABI_NAME,
     .components = components,
     .isa = "", /* instruction sets that -m options add to x86-64, such as "avx2 fma" */
     .compiler = "cc " __VERSION__};

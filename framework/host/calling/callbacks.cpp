@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <cstring>
 #include <weft/core/quote.hpp>
+#include <weft/core/version.hpp>
 
 #include "host/calling/execution_context_parts.hpp"
+#include "host/loading/arguments.hpp"
+#include "host/loading/first_sizes.hpp"
 
 namespace weft::host {
 
@@ -17,10 +20,23 @@ bool ExecutionContext::Scope::may_produce(std::string_view slot, std::string_vie
          });
 }
 
+bool ExecutionContext::Scope::may_invoke(const Instance& target) const {
+  const std::vector<Instance*>& own = instance.nested;
+  if (std::find(own.begin(), own.end(), &target) != own.end()) return true;
+  const auto is_from_target = [&](const weft_record& record) {
+    return record.producer == target.handle;
+  };
+  if (std::any_of(inputs.begin(), inputs.end(), is_from_target)) return true;
+  return std::any_of(nested.begin(), nested.end(), [&](const NestedAnswer& answer) {
+    return std::any_of(answer.views.begin(), answer.views.end(), is_from_target);
+  });
+}
+
 namespace {
 
 constexpr std::uint64_t kMostArrays = 1000;       ///< maximum per record
 constexpr std::size_t kLongestText_bytes = 4096;  ///< maximum of one log message
+constexpr int kMostTexts = 100;                   ///< maximum of log messages in one call
 
 /// [bytes] limit for all arrays of a record: far more than a frame needs, but little enough that
 /// other programs do not suffer.
@@ -31,85 +47,138 @@ std::int64_t most_bytes() {
   return kQuarter > 0 ? std::min(kMost, kQuarter) : kMost;
 }
 
-/// The reason why the host refuses a requested array; empty if it accepts the array.
-std::string refusal_of(const Record& record, std::string_view name, std::int32_t dtype,
-                       std::int32_t ndim, const std::int64_t* shape) {
+/// The reason why a record has no room for a legal array, or an empty text.
+std::string no_room(const Record& record, const weft_output& output, weft_memory memory) {
+  const std::int64_t own =
+      memory == WEFT_DEVICE ? 0 : array_bytes(output.dtype, output.ndim, output.shape);
   const weft_record view = record.view("");
-  const std::int64_t own = array_bytes(dtype, ndim, shape);
-  std::int64_t others = 0;
+  std::int64_t others = record.replaced_bytes();
   std::uint64_t count = 1;
   for (std::uint64_t i = 0; i < view.count; ++i) {
     const weft_array& array = view.arrays[i];
-    if (array.name == name) continue;
-    ++count;
     if (array.memory != WEFT_DEVICE) others += array_bytes(array.dtype, array.ndim, array.shape);
+    if (std::string_view(array.name) != output.array) ++count;
   }
-  if (count <= kMostArrays && own >= 0 && own <= most_bytes() - others) return {};
-  const std::string what = "the host refused its array " + quote(std::string(name)) + " of " +
-                           std::string(record.type());
-  if (count > kMostArrays) {
-    return what + ": a record may have " + std::to_string(kMostArrays) + " arrays";
-  }
-  if (own < 0) return what + ": its type or shape is illegal, or too large";
-  return what + " (" + std::to_string(own) + " bytes): the arrays of a record may have " +
-         std::to_string(most_bytes()) + " bytes together";
+  if (count > kMostArrays) return "a record may have " + std::to_string(kMostArrays) + " arrays";
+  if (own <= most_bytes() - others) return {};
+  return "the arrays of a record may have " + std::to_string(most_bytes()) +
+         " bytes together, and this one has " + std::to_string(own);
 }
 
-std::string bounded(const char* text) {
+/// The schema of a record: of the catalogue, or as the component declares it.
+const RecordSchema* schema_of(const Record& record, const Instance& maker) {
+  if (record.schema() != nullptr) return record.schema();
+  const auto found =
+      std::find_if(maker.record_types.begin(), maker.record_types.end(),
+                   [&](const RecordSchema& each) { return each.type == record.type(); });
+  return found != maker.record_types.end() ? &*found : nullptr;
+}
+
+/// The reason why a requested array is illegal in its record, or an empty text. Validation after
+/// the call would end it: a component that is refused at once can use another array.
+std::string illegality_of(const Record& record, const weft_output& output, weft_memory memory,
+                          const Instance& maker) {
+  if (array_bytes(output.dtype, output.ndim, output.shape) < 0)
+    return "its type or shape is illegal, or too large";
+  if (!is_legal_name(output.array)) {
+    return "its name is not 1 to 100 letters, digits, '_', '-' and '.'";
+  }
+  weft_array array =
+      array_at(output.array, output.dtype, output.ndim, output.shape, nullptr, memory);
+  array.data = &array;  // its layout is checked, not its content
+  array.handle = output.handle;
+  const RecordSchema* schema = schema_of(record, maker);
+  const std::string problem = schema != nullptr ? illegal_array(*schema, array) : "";
+  return problem.empty() ? "" : "it " + problem;
+}
+
+/// A text of a component as it can be shown: escaped, and not too long.
+std::string legible(const char* text) {
   std::size_t length = strnlen(text, kLongestText_bytes + 1);
-  if (length <= kLongestText_bytes) return text;
+  if (length <= kLongestText_bytes) return escaped({text, length});
   --length;
   while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xC0U) == 0x80U) --length;
-  return std::string(text, length) + "... (cut at " + std::to_string(kLongestText_bytes) +
-         " bytes)";
+  return escaped({text, length}) + "... (cut at " + std::to_string(kLongestText_bytes) + " bytes)";
 }
 
 }  // namespace
 
 /// The functions behind weft_host; none throws.
 struct Callbacks {
-  /// The output record of a call that an array belongs to; null when there is no such output.
-  static Record* output(const weft_call* call, const char* slot, const char* type,
-                        const char* array) {
-    auto& scope = *static_cast<ExecutionContext::Scope*>(call->context);
-    if (slot == nullptr || type == nullptr || array == nullptr) return nullptr;
+  static ExecutionContext::Scope& scope_of(const weft_call* call) {
+    return *static_cast<ExecutionContext::Scope*>(call->context);
+  }
+
+  /// The output record of a call that an array belongs to; null if there is no such output.
+  static Record* record_of(ExecutionContext::Scope& scope, const weft_output& output) {
+    const bool is_complete = output.struct_size >= kFirstSize<weft_output> &&
+                             output.slot != nullptr && output.type != nullptr &&
+                             output.array != nullptr;
+    if (!is_complete) return nullptr;
     for (auto& [name, record] : scope.outputs) {
-      if (name == slot && record->type() == type) return record.get();
+      if (name == output.slot && record->type() == output.type) return record.get();
     }
-    if (!scope.may_produce(slot, type)) return nullptr;
-    scope.outputs.emplace_back(slot,
-                               Record::make(type, scope.context.memory_, scope.context.arena_));
+    if (!scope.may_produce(output.slot, output.type)) return nullptr;
+    scope.outputs.emplace_back(
+        output.slot, Record::make(output.type, scope.context.memory_, scope.context.arena_));
     return scope.outputs.back().second.get();
   }
 
-  static void* alloc(const weft_call* call, const char* slot, const char* type, const char* array,
-                     std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) try {
-    Record* record = output(call, slot, type, array);
-    if (record == nullptr) return nullptr;
-    auto& scope = *static_cast<ExecutionContext::Scope*>(call->context);
-    std::string refusal = refusal_of(*record, array, dtype, ndim, shape);
-    if (refusal.empty()) return record->allocate(array, dtype, ndim, shape);
-    if (scope.refusal.empty() && scope.context.log_) {
-      scope.context.log_(scope.instance.name, kWarning, refusal, scope.turn.run_frame);
+  /// The record of a requested array; null if the host refuses the array. The first reason is
+  /// reported if the call fails.
+  static Record* accepting(ExecutionContext::Scope& scope, const weft_output& output,
+                           weft_memory memory) {
+    if (output.view != 0 || output.object != 0 || output.frame < WEFT_NO_FRAME) {
+      refuse(scope, "the host refused an output of view " + std::to_string(output.view) +
+                        ", object " + std::to_string(output.object) + " and frame " +
+                        std::to_string(output.frame));
+      return nullptr;
     }
-    scope.refusal = std::move(refusal);
-    return nullptr;
+    Record* record = record_of(scope, output);
+    if (record == nullptr) return nullptr;
+    std::string reason = illegality_of(*record, output, memory, scope.instance);
+    const bool is_legal = reason.empty();
+    if (is_legal) reason = no_room(*record, output, memory);
+    if (!reason.empty()) {
+      refuse(scope, "the host refused its array " + quote(output.array) + " of " +
+                        std::string(record->type()) + ": " + reason);
+      if (is_legal) warn_once(scope);
+      return nullptr;
+    }
+    if (output.frame != WEFT_NO_FRAME) record->set_frame(output.frame);
+    return record;
+  }
+
+  static void refuse(ExecutionContext::Scope& scope, std::string refusal) {
+    if (scope.refusal.empty()) scope.refusal = std::move(refusal);
+  }
+
+  /// Logs a refusal that no component can foresee.
+  static void warn_once(ExecutionContext::Scope& scope) {
+    if (std::exchange(scope.has_warned, true) || !scope.context.log_) return;
+    scope.context.log_(scope.instance.name, kWarning, scope.refusal, scope.turn.run_frame);
+  }
+
+  static void* alloc(const weft_call* call, const weft_output* output) try {
+    Record* record = accepting(scope_of(call), *output, WEFT_HOST);
+    if (record == nullptr) return nullptr;
+    return record->allocate(output->array, output->dtype, output->ndim, output->shape);
   } catch (...) {
     return nullptr;
   }
 
-  static std::int32_t adopt(const weft_call* call, const char* slot, const char* type,
-                            const char* array, std::int32_t dtype, std::int32_t ndim,
-                            const std::int64_t* shape, std::uint64_t handle) try {
-    auto& scope = *static_cast<ExecutionContext::Scope*>(call->context);
+  static std::int32_t adopt(const weft_call* call, const weft_output* output) try {
+    ExecutionContext::Scope& scope = scope_of(call);
     const weft_device_memory* library = scope.instance.device_memory;
     if (library == nullptr) {
-      scope.refusal =
-          "it has no device_memory table, and so cannot deliver an array in device memory";
+      refuse(scope,
+             "it has no device_memory table, and so cannot deliver an array in device memory");
+      return 0;
     }
-    Record* record = library != nullptr ? output(call, slot, type, array) : nullptr;
+    Record* record = accepting(scope, *output, WEFT_DEVICE);
     return record != nullptr &&
-                   record->adopt(array, dtype, ndim, shape, *library, handle, scope.instance.id)
+                   record->adopt(output->array, output->dtype, output->ndim, output->shape,
+                                 *library, output->handle, scope.instance.id)
                ? 1
                : 0;
   } catch (...) {
@@ -117,22 +186,25 @@ struct Callbacks {
   }
 
   static std::int32_t cancelled(const weft_call* call) {
-    const auto& scope = *static_cast<ExecutionContext::Scope*>(call->context);
+    const ExecutionContext::Scope& scope = scope_of(call);
     return !scope.instance.is_let_finish && scope.context.cancellation().is_requested() ? 1 : 0;
   }
 
   static void log(const weft_call* call, std::int32_t level, const char* text) try {
-    auto& scope = *static_cast<ExecutionContext::Scope*>(call->context);
-    if (scope.context.log_ && text != nullptr) {
-      scope.context.log_(scope.instance.name, level, bounded(text), scope.turn.run_frame);
-    }
+    ExecutionContext::Scope& scope = scope_of(call);
+    if (!scope.context.log_ || text == nullptr) return;
+    const int before = scope.texts.fetch_add(1, std::memory_order_relaxed);
+    if (before > kMostTexts) return;
+    const std::string shown = before < kMostTexts ? legible(text) : "further messages are dropped";
+    scope.context.log_(scope.instance.name, std::clamp(level, 0, kWarning), shown,
+                       scope.turn.run_frame);
   } catch (...) {
     return;  // a message is not worth a crash
   }
 
   static std::int32_t invoke(const weft_call* call, weft_invocation* asked, weft_error* error) try {
-    auto& scope = *static_cast<ExecutionContext::Scope*>(call->context);
-    if (asked->struct_size < sizeof(weft_invocation)) {
+    ExecutionContext::Scope& scope = scope_of(call);
+    if (asked->struct_size < kFirstSize<weft_invocation>) {
       return report({Errc::incompatible, "gave a weft_invocation that is too short", {}}, error);
     }
     Instance* target = scope.context.find(asked->component);
@@ -140,6 +212,13 @@ struct Callbacks {
       return report({Errc::not_found,
                      "no component has the handle " + std::to_string(asked->component) +
                          "; was the warp made by this pipeline?",
+                     {}},
+                    error);
+    }
+    if (!scope.may_invoke(*target)) {
+      return report({Errc::invalid_value,
+                     "called '" + target->name.str() +
+                         "', which is not nested in it and made none of its warps",
                      {}},
                     error);
     }
@@ -167,10 +246,10 @@ struct Callbacks {
 };
 
 const weft_host& host_table() {
-  static constexpr weft_host kHost{sizeof(weft_host), 0,
-                                   &Callbacks::alloc, &Callbacks::cancelled,
-                                   &Callbacks::log,   &Callbacks::invoke,
-                                   &Callbacks::adopt, &host_extension};
+  static constexpr weft_host kHost{
+      sizeof(weft_host),  WEFT_ABI_MAJOR,    WEFT_ABI_MINOR,        kHostName,
+      kVersion,           &Callbacks::alloc, &Callbacks::cancelled, &Callbacks::log,
+      &Callbacks::invoke, &Callbacks::adopt, &host_extension};
   return kHost;
 }
 

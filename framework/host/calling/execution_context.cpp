@@ -4,8 +4,10 @@
 
 #include "host/calling/execution_context_parts.hpp"
 #include "host/calling/hashing.hpp"
+#include "host/calling/judge_shape.hpp"
 #include "host/calling/protected_inputs.hpp"
 #include "host/loading/library_call.hpp"
+#include "host/loading/process_state.hpp"
 #include "host/records/plugin_error.hpp"
 #include "host/records/value_check.hpp"
 
@@ -45,11 +47,15 @@ Result<Instance*> ExecutionContext::instantiate(const ComponentSpec& spec, const
                                                 const std::string& path) {
   if (cancellation_.is_requested()) return not_begun(spec.component().id);
   if (path.empty()) announce(stage, spec.component().id, "load", kOfflineFrame);
+  const ProcessState before_load;
   const auto table = load(*spec.installed);
+  warn_of_changes(before_load, path.empty() ? stage : stage + "/" + path, "while it was loaded");
   if (!table) return table.error();
   auto made = std::make_unique<Instance>(spec, stage, path);
   made->table = *table;
-  made->device_memory = device_memory_of(**table);
+  const auto device_memory = device_memory_of(**table);
+  if (!device_memory) return device_memory.error();
+  made->device_memory = *device_memory;
   Arguments handles;
   for (const auto& [parameter, child] : spec.nested) {
     const auto nested =
@@ -63,8 +69,10 @@ Result<Instance*> ExecutionContext::instantiate(const ComponentSpec& spec, const
   void* self = nullptr;
   weft_error error = kNoError;
   const weft_create with = made_from(values);
+  const ProcessState before;
   const std::int32_t status =
       call_library(error, [&] { return made->table->create(&with, &self, &error); });
+  warn_of_changes(before, made->name, "while it was created");
   if (status != WEFT_OK) return plugin_error(status, error, made->id);
   if (self == nullptr) {
     return Error{Errc::plugin_failure, "created nothing and gave no reason", made->id};
@@ -129,10 +137,13 @@ Result<void> ExecutionContext::prepare_here(Instance& instance,
     if (!given) return given.error();
     inputs = *given;
   }
+  scope.inputs = inputs;
   weft_error error = kNoError;
+  const ProcessState before;
   const std::int32_t status = call_library(error, [&] {
     return instance.table->prepare(instance.self, &call, inputs.data(), inputs.size(), &error);
   });
+  warn_of_changes(before, instance.name, "while it was prepared");
   if (status == WEFT_OK || status == WEFT_DEGENERATE) return {};
   return plugin_error(status, error, instance.id);
 }
@@ -183,6 +194,7 @@ Outcome ExecutionContext::enter(Instance& instance, int method, std::span<const 
   if (readable && is_protected) readable = pages.copy(*readable);
   std::int32_t status = WEFT_OK;
   if (readable) {
+    scope.inputs = *readable;
     instance.running = true;
     status = instance.worker != nullptr
                  ? call_worker(instance, scope, method, *readable, &error)
@@ -205,6 +217,12 @@ Outcome ExecutionContext::enter(Instance& instance, int method, std::span<const 
                {},
                outcome.downloaded_bytes});
   return outcome;
+}
+
+void ExecutionContext::warn_of_changes(const ProcessState& before, const std::string& stage,
+                                       const char* when) const {
+  const std::string changes = before.restore(when);
+  if (!changes.empty()) warn(stage, changes);
 }
 
 void ExecutionContext::warn(const std::string& stage, const std::string& text) const {
@@ -244,7 +262,12 @@ Outcome ExecutionContext::finish(Instance& instance, Scope& scope,
     if (valid) valid = check_lengths(record->view(slot.c_str()), inputs);
     if (valid) valid = check_values(record->view(slot.c_str()));
     if (!valid) return broken("returned an illegal output: " + valid.error().message);
-    record->set_frame(scope.turn.frame);
+    const bool was_called_here = instance.table != nullptr;
+    if (was_called_here && instance.rules.solves) judge_shape(*record, inputs);
+    record->forget_replaced();
+    if (record->frame() == WEFT_NO_FRAME) {
+      record->set_frame(static_cast<std::int64_t>(scope.turn.frame));
+    }
     if (record->type() == Warp::kType) record->set_producer(instance.handle);
     outcome.outputs.emplace_back(std::move(slot), std::move(record));
   }

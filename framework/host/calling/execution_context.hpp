@@ -17,6 +17,7 @@
 namespace weft::host {
 
 class Instance;
+class ProcessState;
 class SharedInputs;
 struct WorkerContext;
 
@@ -119,6 +120,10 @@ class ExecutionContext {
   Instance& add(std::unique_ptr<Instance> instance);
   std::unique_ptr<Instance> take_out(Instance& instance);
   void destroy(std::unique_ptr<Instance> instance);
+  void end(Instance& instance) const;
+  /// Restores the state of the process and warns of what a stage changed.
+  void warn_of_changes(const ProcessState& before, const std::string& stage,
+                       const char* when) const;
   Result<WorkerContext> worker_context_of(const Instance& instance);
   Outcome enter(Instance& instance, int method, std::span<const weft_record> inputs,
                 const Turn& turn);

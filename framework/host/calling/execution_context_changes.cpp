@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // Functions of an execution context for runs whose parameters change, and for its end.
 #include "host/calling/execution_context_parts.hpp"
+#include "host/loading/library_call.hpp"
+#include "host/loading/process_state.hpp"
 #include "host/records/plugin_error.hpp"
 
 namespace weft::host {
 namespace {
 
 const weft_steering* steering_of(const Instance& sink) {
-  if (sink.table == nullptr || sink.table->get_extension == nullptr) return nullptr;
-  const void* found = sink.table->get_extension(WEFT_STEERING);
-  const auto* steering = static_cast<const weft_steering*>(found);
-  const bool usable = steering != nullptr && steering->struct_size >= sizeof(weft_steering) &&
-                      steering->take_change_requests != nullptr && steering->answer != nullptr;
+  if (sink.table == nullptr) return nullptr;
+  const auto found = extension_of<weft_steering>(*sink.table, WEFT_STEERING);
+  const weft_steering* steering = found ? *found : nullptr;
+  const bool usable = steering != nullptr && steering->take_change_requests != nullptr &&
+                      steering->answer != nullptr;
   return usable ? steering : nullptr;
 }
 
@@ -20,7 +22,7 @@ const weft_steering* steering_of(const Instance& sink) {
 ExecutionContext::~ExecutionContext() {
   memory_->close();
   for (std::unique_ptr<Instance>& instance : instances_) {
-    if (instance != nullptr) announce(instance->name, instance->id, "destroy", kOfflineFrame);
+    if (instance != nullptr) end(*instance);
     instance.reset();
   }
 }
@@ -43,10 +45,29 @@ std::unique_ptr<Instance> ExecutionContext::take_out(Instance& instance) {
   return std::move(instances_[instance.handle - 1]);
 }
 
+std::string Instance::end() {
+  if (self == nullptr) return {};
+  weft_error error = kNoError;
+  void* const ended = std::exchange(self, nullptr);
+  const std::int32_t status = call_library(error, [&] {
+    table->destroy(ended);
+    return WEFT_OK;
+  });
+  return status == WEFT_OK ? "" : plugin_error(status, error, id).message;
+}
+
+void ExecutionContext::end(Instance& instance) const {
+  announce(instance.name, instance.id, "destroy", kOfflineFrame);
+  const ProcessState before;
+  const std::string fault = instance.end();
+  warn_of_changes(before, instance.name, "while it was destroyed");
+  if (!fault.empty()) warn(instance.name, "its destroy() " + fault);
+}
+
 /// Those nested in it after it: it may call them until it is gone.
 void ExecutionContext::destroy(std::unique_ptr<Instance> instance) {
   const std::vector<Instance*> nested = instance->nested;
-  announce(instance->name, instance->id, "destroy", kOfflineFrame);
+  end(*instance);
   instance.reset();
   for (Instance* each : nested) destroy(take_out(*each));
 }
@@ -56,18 +77,23 @@ bool ExecutionContext::steers(const Instance& sink) { return steering_of(sink) !
 Result<std::vector<ChangeRequest>> ExecutionContext::take_change_requests(const Instance& sink) {
   std::vector<ChangeRequest> requests;
   const auto note = [](void* context, std::uint64_t number, const char* text) {
+    if (text == nullptr) return;
     static_cast<std::vector<ChangeRequest>*>(context)->push_back({number, text});
   };
   weft_error error = kNoError;
-  const auto status = steering_of(sink)->take_change_requests(sink.self, &requests, note, &error);
+  const auto status = call_library(error, [&] {
+    return steering_of(sink)->take_change_requests(sink.self, &requests, note, &error);
+  });
   if (status != WEFT_OK) return plugin_error(status, error, sink.id);
   return requests;
 }
 
 Result<void> ExecutionContext::answer(const Instance& sink, const ChangeAnswer& answer) {
   weft_error error = kNoError;
-  const auto status = steering_of(sink)->answer(sink.self, answer.number, answer.frame,
-                                                answer.refusal.c_str(), &error);
+  const auto status = call_library(error, [&] {
+    return steering_of(sink)->answer(sink.self, answer.number, answer.frame, answer.refusal.c_str(),
+                                     &error);
+  });
   if (status != WEFT_OK) return plugin_error(status, error, sink.id);
   return {};
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <forward_list>
 #include <optional>
 
@@ -27,9 +28,10 @@ class Instance {
         stage(std::move(in_stage)),
         path(std::move(at_path)),
         name(path.empty() ? stage : SharedText(stage + "/" + path)) {}
-  ~Instance() {
-    if (self != nullptr) table->destroy(self);
-  }
+  ~Instance() { end(); }
+
+  /// Destroys the component; returns its library's fault as a sentence, or an empty text.
+  std::string end();
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
 
@@ -75,14 +77,21 @@ struct ExecutionContext::Scope {
   Instance& instance;
   const RoleMethod* method;
   Turn turn;
+  std::span<const weft_record> inputs{};  ///< as the component gets them
   PooledVector<std::pair<std::string, std::shared_ptr<Record>>> outputs{context.memory_};
   std::forward_list<NestedAnswer, PoolAllocator<NestedAnswer>> nested{context.memory_};
   std::uint64_t downloaded_bytes = 0;  ///< for this call and those nested in it
   double worker_processor_ms = 0.0;    ///< likewise
-  std::string refusal{};               ///< reason why the host refused an array, if it gave one
+  std::string refusal{};               ///< reason why the host first refused an array, if it did
+  bool has_warned = false;             ///< about a refusal
+  std::atomic<int> texts{0};           ///< log messages of this call
 
   /// True if the role's method may produce this record.
   bool may_produce(std::string_view slot, std::string_view type) const;
+
+  /// True if the component may call `target`: it is nested in it, or made a warp among its inputs
+  /// or among the answers that it got.
+  bool may_invoke(const Instance& target) const;
 };
 
 /// The functions that every call brings; none throws.

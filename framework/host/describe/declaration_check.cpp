@@ -5,12 +5,27 @@
 #include <cmath>
 #include <iterator>
 #include <weft/core/utf8.hpp>
+#include <weft/data/array.hpp>
+
+#include "host/loading/first_sizes.hpp"
 
 namespace weft::host {
 namespace {
 
 bool is_outside(double number, const weft_parameter& parameter) {
   return !std::isfinite(number) || number < parameter.minimum || number > parameter.maximum;
+}
+
+bool is_outside(std::int64_t number, const weft_parameter& parameter) {
+  return number < parameter.integer_minimum || number > parameter.integer_maximum;
+}
+
+bool has_empty_range(const weft_parameter& parameter) {
+  if (parameter.default_value.type == WEFT_VALUE_I64) {
+    return parameter.integer_minimum > parameter.integer_maximum;
+  }
+  return parameter.default_value.type == WEFT_VALUE_F64 &&
+         !(parameter.minimum <= parameter.maximum);
 }
 
 bool is_text(std::int32_t type) {
@@ -61,8 +76,7 @@ std::string wrong_default(const weft_parameter& parameter) {
     if (value.type == WEFT_VALUE_F64) {
       outside = outside || is_outside(static_cast<const double*>(value.data)[i], parameter);
     } else if (value.type == WEFT_VALUE_I64) {
-      const std::int64_t number = static_cast<const std::int64_t*>(value.data)[i];
-      outside = outside || is_outside(static_cast<double>(number), parameter);
+      outside = outside || is_outside(static_cast<const std::int64_t*>(value.data)[i], parameter);
     }
   }
   return outside ? "has a default outside its range" : "";
@@ -87,14 +101,14 @@ const char* type_name(std::int32_t type) {
 }
 
 std::string wrong_declaration(const weft_parameter& parameter) {
-  if (parameter.struct_size < sizeof(weft_parameter)) {
+  if (parameter.struct_size < kFirstSize<weft_parameter>) {
     return "a parameter is declared with a struct_size that is too small";
   }
   const char* name = parameter.default_value.name;
   if (name == nullptr || *name == '\0') return "a parameter has no name";
   if (!is_utf8(name)) return "a parameter has a name that is no UTF-8";
   std::string wrong = wrong_texts(parameter);
-  if (wrong.empty() && !(parameter.minimum <= parameter.maximum)) {
+  if (wrong.empty() && has_empty_range(parameter)) {
     wrong = "has a range whose minimum is the larger end";
   }
   const bool is_known = type_name(parameter.default_value.type) != nullptr;
@@ -103,7 +117,7 @@ std::string wrong_declaration(const weft_parameter& parameter) {
 }
 
 std::string wrong_field(const weft_field& field) {
-  if (field.struct_size < sizeof(weft_field)) {
+  if (field.struct_size < kFirstSize<weft_field>) {
     return "an array of a record is declared with a struct_size that is too small";
   }
   for (const char* text : {field.name, field.shape, field.unit, field.meaning}) {
@@ -111,8 +125,9 @@ std::string wrong_field(const weft_field& field) {
       return "an array of a record has a name, shape, unit or meaning that is null";
     if (!is_utf8(text)) return "an array of a record has a text that is no UTF-8";
   }
-  const bool is_known = field.dtype >= WEFT_U8 && field.dtype <= WEFT_F64;
-  return is_known ? "" : "array '" + std::string(field.name) + "' has elements of an unknown type";
+  return dtype_size(field.dtype) > 0
+             ? ""
+             : "array '" + std::string(field.name) + "' has elements of an unknown type";
 }
 
 }  // namespace weft::host

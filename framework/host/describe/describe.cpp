@@ -15,6 +15,7 @@
 #include "host/describe/declaration_check.hpp"
 #include "host/describe/manifest_text.hpp"
 #include "host/describe/slots.hpp"
+#include "host/loading/library_call.hpp"
 
 namespace weft::host {
 namespace {
@@ -59,8 +60,11 @@ struct Declarations {
     }
     const weft_value& value = parameter.default_value;
     const bool is_number = value.type == WEFT_VALUE_F64 || value.type == WEFT_VALUE_I64;
+    const bool is_integer = value.type == WEFT_VALUE_I64;
     if (is_number && value.is_vector == 0) {
-      numbers.push_back({name, parameter.minimum, parameter.maximum});
+      numbers.push_back(
+          {name, is_integer ? static_cast<double>(parameter.integer_minimum) : parameter.minimum,
+           is_integer ? static_cast<double>(parameter.integer_maximum) : parameter.maximum});
     }
     write_parameter(text, parameter);
   }
@@ -75,20 +79,19 @@ struct Extension {
   const char* name;
   std::size_t bytes;  ///< size of its table, which begins with its size
 };
-constexpr Extension kExtensions[] = {{WEFT_DEVICE_MEMORY, sizeof(weft_device_memory)},
-                                     {WEFT_DEVICES, sizeof(weft_devices)},
-                                     {WEFT_CHECK, sizeof(weft_check)},
-                                     {WEFT_SWEEP, sizeof(weft_sweep)},
-                                     {WEFT_STEERING, sizeof(weft_steering)},
-                                     {WEFT_ISOLATION, sizeof(weft_isolation)}};
+constexpr Extension kExtensions[] = {{WEFT_DEVICE_MEMORY, kFirstSize<weft_device_memory>},
+                                     {WEFT_DEVICES, kFirstSize<weft_devices>},
+                                     {WEFT_CHECK, kFirstSize<weft_check>},
+                                     {WEFT_SWEEP, kFirstSize<weft_sweep>},
+                                     {WEFT_STEERING, kFirstSize<weft_steering>},
+                                     {WEFT_ISOLATION, kFirstSize<weft_isolation>}};
 
 /// The extensions beyond its role that this version of Weft supports.
 std::string extensions(const weft_component& component) {
   std::string list;
   for (const Extension& extension : kExtensions) {
-    const bool has =
-        component.get_extension != nullptr && component.get_extension(extension.name) != nullptr;
-    if (has) list += (list.empty() ? "" : " ") + std::string(extension.name);
+    const auto found = find_extension(component, extension.name, extension.bytes);
+    if (found && *found != nullptr) list += (list.empty() ? "" : " ") + std::string(extension.name);
   }
   return words(list);
 }
@@ -118,19 +121,15 @@ std::string wrong_component(const weft_component& component, bool is_newer) {
     if (!is_utf8(text)) return "one of its texts is no UTF-8";
   }
   for (const Extension& extension : kExtensions) {
-    if (component.get_extension == nullptr) break;
-    const auto* size = static_cast<const std::uint32_t*>(component.get_extension(extension.name));
-    if (size != nullptr && *size < extension.bytes) {
-      return std::string("its extension ") + extension.name +
-             " is damaged: its struct_size is too small";
-    }
+    const auto found = find_extension(component, extension.name, extension.bytes);
+    if (!found) return found.error().message;
   }
   return unknown_slots(component, is_newer);
 }
 
 const weft_sweep* sweep_of(const weft_component& component) {
-  if (component.get_extension == nullptr) return nullptr;
-  return static_cast<const weft_sweep*>(component.get_extension(WEFT_SWEEP));
+  const auto found = extension_of<weft_sweep>(component, WEFT_SWEEP);
+  return found ? *found : nullptr;
 }
 
 /// Writes the sweep of a component; returns what is wrong with it, or an empty text.
@@ -189,7 +188,7 @@ std::string write_component(std::ostream& out, const weft_component& component, 
                            }};
   weft_error error{sizeof(weft_error), 0, {}, {}, {}};
   const auto describe = [&] { return component.describe(&sink, &error); };
-  const std::int32_t status = detail::guarded(&error, describe);
+  const std::int32_t status = call_library(error, describe);
   if (status != WEFT_OK) {
     error.message[sizeof(error.message) - 1] = '\0';
     if (error.code == WEFT_CODE_INVALID_VALUE) return error.message;

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <sstream>
 #include <weft/sdk/extensions.hpp>
 
@@ -65,10 +66,21 @@ std::string default_of(const weft_value& value) {
   return list + "]";
 }
 
-bool is_bounded(const weft_parameter& parameter) {
-  const bool is_number = parameter.default_value.type == WEFT_VALUE_F64 ||
-                         parameter.default_value.type == WEFT_VALUE_I64;
-  return is_number && (std::isfinite(parameter.minimum) || std::isfinite(parameter.maximum));
+/// The range of a number as "[0, 10]"; empty if it has none.
+std::string range_of(const weft_parameter& parameter) {
+  const std::int32_t type = parameter.default_value.type;
+  if (type == WEFT_VALUE_F64) {
+    const double low = parameter.minimum, high = parameter.maximum;
+    if (!std::isfinite(low) && !std::isfinite(high)) return {};
+    return "[" + number(low) + ", " + number(high) + "]";
+  }
+  if (type != WEFT_VALUE_I64) return {};
+  const std::int64_t low = parameter.integer_minimum, high = parameter.integer_maximum;
+  const bool has_low = low != std::numeric_limits<std::int64_t>::min();
+  const bool has_high = high != std::numeric_limits<std::int64_t>::max();
+  if (!has_low && !has_high) return {};
+  return "[" + (has_low ? std::to_string(low) : "-.inf") + ", " +
+         (has_high ? std::to_string(high) : ".inf") + "]";
 }
 
 }  // namespace
@@ -85,9 +97,8 @@ void write_parameter(std::ostream& out, const weft_parameter& parameter) {
     out << "\n        default: " << default_of(value);
   }
   if (*parameter.unit != '\0') out << "\n        unit: " << double_quoted(parameter.unit);
-  if (is_bounded(parameter)) {
-    out << "\n        range: [" << number(parameter.minimum) << ", " << number(parameter.maximum)
-        << "]";
+  if (const std::string range = range_of(parameter); !range.empty()) {
+    out << "\n        range: " << range;
   }
   for (std::uint64_t i = 0; i < parameter.choice_count; ++i) {
     out << (i == 0 ? "\n        choices: [" : ", ") << double_quoted(parameter.choices[i]);

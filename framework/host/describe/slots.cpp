@@ -63,7 +63,8 @@ std::string unknown_slots(const weft_component& component, bool is_newer) {
   for (const List& list : {List{"needs", component.needs, &RoleMethod::inputs, "input"},
                            List{"reads", component.reads, &RoleMethod::inputs, "input"},
                            List{"produces", component.produces, &RoleMethod::outputs, "output"}}) {
-    if (is_newer && list.names == component.reads) continue;
+    const bool is_required = list.names == component.needs;
+    if (is_newer && !is_required) continue;
     const std::string wrong = unknown_name(list.names, *role, list.slots, list.what);
     if (!wrong.empty()) return std::string("kAbout.") + list.member + " " + wrong;
   }

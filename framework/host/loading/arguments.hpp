@@ -7,17 +7,24 @@
 #include <deque>
 #include <string>
 #include <vector>
+#include <weft/core/version.hpp>
 
 namespace weft::host {
 
+inline constexpr const char* kHostName = "weft";
+
 /// The functions of this host beyond weft_host: none yet.
-inline const void* host_extension(const char* /*name*/) { return nullptr; }
+inline const void* host_extension(const weft_host* /*host*/, void* /*context*/,
+                                  const char* /*name*/) {
+  return nullptr;
+}
 
 /// The arguments that create a component without a running call. Its host answers no calls.
 inline weft_create made_from(const std::vector<weft_value>& values) {
-  static constexpr weft_host kHost{sizeof(weft_host), 0,       nullptr, nullptr,
-                                   nullptr,           nullptr, nullptr, &host_extension};
-  return {sizeof(weft_create), 0, &kHost, values.data(), values.size()};
+  static constexpr weft_host kHost{sizeof(weft_host), WEFT_ABI_MAJOR, WEFT_ABI_MINOR, kHostName,
+                                   kVersion,          nullptr,        nullptr,        nullptr,
+                                   nullptr,           nullptr,        &host_extension};
+  return {sizeof(weft_create), 0, &kHost, values.data(), values.size(), nullptr};
 }
 
 /// Values for a component's parameters as the contract carries them, with the storage behind them.

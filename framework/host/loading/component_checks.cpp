@@ -55,12 +55,12 @@ std::vector<ComponentChecks::Mistake> ComponentChecks::mistakes_of(const Compone
   };
   const auto table = load(*spec.installed);
   if (!table) return failed(table.error());
-  const void* found =
-      (*table)->get_extension != nullptr ? (*table)->get_extension(WEFT_CHECK) : nullptr;
-  if (found == nullptr) return {};
+  const auto found = extension_of<weft_check>(**table, WEFT_CHECK);
+  if (!found) return failed(found.error());
+  const weft_check* extension = *found;
+  if (extension == nullptr) return {};
   const std::string& id = spec.component().id;
-  const auto* extension = static_cast<const weft_check*>(found);
-  if (extension->struct_size < sizeof(weft_check) || extension->check == nullptr) {
+  if (extension->check == nullptr) {
     return failed({Errc::plugin_failure, "its check is damaged; rebuild the plugin", id});
   }
   const std::vector<weft_value>& values = spec.arguments.values();
@@ -79,7 +79,12 @@ std::vector<ComponentChecks::Mistake> ComponentChecks::mistakes_of(const Compone
         {text(parameter), escaped(text(message))});
   };
   status = call_library(error, [&] { return extension->check(self, &mistakes, note, &error); });
-  (*table)->destroy(self);
+  weft_error at_end = kNoError;
+  const std::int32_t ended = call_library(at_end, [&] {
+    (*table)->destroy(self);
+    return WEFT_OK;
+  });
+  if (ended != WEFT_OK) mistakes.push_back(failed(plugin_error(ended, at_end, id)).front());
   if (status != WEFT_OK) mistakes.push_back(failed(plugin_error(status, error, id)).front());
   return mistakes;
 }

@@ -130,12 +130,22 @@ class Binder {
     if (!parameter.bounded || (number >= parameter.minimum && number <= parameter.maximum)) {
       return true;
     }
+    out_of_range(parameter, value);
+    return false;
+  }
+
+  bool in_range(const ParameterSpec& parameter, const yaml::Node& value, std::int64_t number) {
+    if (number >= parameter.integer_minimum && number <= parameter.integer_maximum) return true;
+    out_of_range(parameter, value);
+    return false;
+  }
+
+  void out_of_range(const ParameterSpec& parameter, const yaml::Node& value) {
     std::ostringstream message;
     message << "'" << parameter.name << "' is " << escaped(value.scalar, 80) << ", legal is "
             << parameter.minimum << " to " << parameter.maximum
             << (parameter.unit.empty() ? "" : " ") << parameter.unit;
     problem(value.at, message.str());
-    return false;
   }
 
   void bind_one(const ParameterSpec& parameter, const yaml::Node& value, bool given,

@@ -8,6 +8,7 @@
 #include <locale>
 
 #include "host/describe/build_id.hpp"
+#include "host/loading/first_sizes.hpp"
 #include "host/loading/library_call.hpp"
 #include "host/loading/registry.hpp"
 #include "host/loading/sanitizer.hpp"
@@ -22,7 +23,7 @@ Error incompatible(const std::string& file, const std::string& message) {
 /// The error of a component in a table, or null.
 const char* damage_of(const weft_component& component) {
   const auto any_null = [](auto... pointers) { return ((pointers == nullptr) || ...); };
-  if (component.struct_size < sizeof(weft_component)) return "its struct_size is too small";
+  if (component.struct_size < kFirstSize<weft_component>) return "its struct_size is too small";
   if (any_null(component.id, component.version, component.summary, component.reference,
                component.licence, component.determinism, component.needs, component.reads,
                component.produces)) {
@@ -38,7 +39,7 @@ const char* damage_of(const weft_component& component) {
 /// The error of a library's table, or empty.
 std::string damage_of(const weft_library_table& table) {
   constexpr std::uint32_t kMostComponents = 4096;
-  if (table.struct_size < sizeof(weft_library_table)) return "its struct_size is too small";
+  if (table.struct_size < kFirstSize<weft_library_table>) return "its struct_size is too small";
   // A host can ignore the reserved fields that a later minor version uses, unless a flag forbids
   // it.
   const bool reserved_used =
@@ -51,6 +52,9 @@ std::string damage_of(const weft_library_table& table) {
   if (table.components == nullptr || table.isa == nullptr || table.compiler == nullptr) {
     return "its components, isa or compiler is null";
   }
+  if (table.abi == nullptr || std::string_view(table.abi) != WEFT_ABI_NAME) {
+    return "its abi is not " WEFT_ABI_NAME;
+  }
   for (std::uint32_t i = 0; i < table.count; ++i) {
     const weft_component* component = table.components[i];
     const char* damage = component != nullptr ? damage_of(*component) : "it is null";
@@ -60,6 +64,12 @@ std::string damage_of(const weft_library_table& table) {
 }
 
 Result<void> check_table(const weft_library_table& table, const std::string& file) {
+  constexpr std::uint32_t kMagicOfCandidate = 0x54464557;
+  if (table.magic == kMagicOfCandidate) {
+    return incompatible(file,
+                        "was built with a release candidate of plugin ABI 1.0, whose tables have "
+                        "another layout; rebuild it against this version of Weft");
+  }
   if (table.magic != WEFT_ABI_MAGIC) {
     return incompatible(file,
                         "its symbol 'weft_library' is no Weft library table; rebuild it with "
@@ -140,7 +150,7 @@ Result<const weft_library_table*> load_library(const std::string& file) {
                         "WEFT_PLUGIN(...) and build it with weft_add_plugin()");
   }
   const auto& table = library.get<const weft_library_table>("weft_library");
-  constexpr std::size_t kSmallest = offsetof(weft_library_table, components);
+  constexpr std::size_t kSmallest = offsetof(weft_library_table, abi);
   if (!is_data(&table, kSmallest)) {
     return incompatible(file,
                         "its symbol 'weft_library' is no table of data; end a source file with "

@@ -31,4 +31,26 @@ pid_t process_id() {
   return id;
 }
 
+Result<const void*> find_extension(const weft_component& component, const char* name,
+                                   std::size_t bytes) {
+  if (component.get_extension == nullptr) return nullptr;
+  const void* found = nullptr;
+  weft_error error = kNoError;
+  const std::int32_t status = call_library(error, [&] {
+    found = component.get_extension(&component, name);
+    return WEFT_OK;
+  });
+  const auto damaged = [&](const std::string& cause) {
+    return Error{Errc::plugin_failure,
+                 std::string("its extension ") + name + " " + cause + "; rebuild the plugin",
+                 component.id};
+  };
+  if (status != WEFT_OK) return damaged(error.message);
+  // Each table begins with its size.
+  if (found != nullptr && *static_cast<const std::uint32_t*>(found) < bytes) {
+    return damaged("is damaged: its struct_size is too small");
+  }
+  return found;
+}
+
 }  // namespace weft::host

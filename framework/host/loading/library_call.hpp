@@ -6,6 +6,7 @@
 
 #include <weft/sdk/extensions.hpp>
 
+#include "host/loading/first_sizes.hpp"
 #include "host/loading/floating_point.hpp"
 
 namespace weft::host {
@@ -39,6 +40,19 @@ std::int32_t call_library(weft_error& error, Function&& function, bool* kept_mod
   const bool kept = mode.restore();
   if (kept_mode != nullptr) *kept_mode = kept;
   return status;
+}
+
+/// An extension of a component; null if it has none. Fails if the library throws, or if the table
+/// is smaller than `bytes`.
+Result<const void*> find_extension(const weft_component& component, const char* name,
+                                   std::size_t bytes);
+
+/// As above, with the type of the table in version 1.0.
+template <class Table>
+Result<const Table*> extension_of(const weft_component& component, const char* name) {
+  const auto found = find_extension(component, name, kFirstSize<Table>);
+  if (!found) return found.error();
+  return static_cast<const Table*>(*found);
 }
 
 }  // namespace weft::host

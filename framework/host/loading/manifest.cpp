@@ -98,6 +98,8 @@ ParameterSpec read_parameter(const yaml::Node& node) {
     spec.bounded = true;
     spec.minimum = *minimum;
     spec.maximum = *maximum;
+    spec.integer_minimum = yaml::as_int64(range->items[0]).value_or(spec.integer_minimum);
+    spec.integer_maximum = yaml::as_int64(range->items[1]).value_or(spec.integer_maximum);
   }
   if (node.find("choices") != nullptr) spec.choices = texts(node, "choices");
   if (node.find("role") != nullptr) spec.role = text(node, "role");

@@ -4,6 +4,8 @@
 #include <weft/abi.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,8 +29,10 @@ struct ParameterSpec {
   std::string unit;
   std::string help;
   bool bounded = false;
-  double minimum = 0.0;              ///< in `unit`, inclusive
-  double maximum = 0.0;              ///< in `unit`, inclusive
+  double minimum = 0.0;  ///< in `unit`, inclusive; of an integer the nearest double
+  double maximum = 0.0;  ///< in `unit`, inclusive; of an integer the nearest double
+  std::int64_t integer_minimum = std::numeric_limits<std::int64_t>::min();  ///< of an integer
+  std::int64_t integer_maximum = std::numeric_limits<std::int64_t>::max();  ///< of an integer
   std::vector<std::string> choices;  ///< for an input path: words that are legal instead of a path
   std::string role;                  ///< role of a component parameter
   std::string was;                   ///< its name in older versions, or empty

@@ -104,6 +104,9 @@ Refusal unreadable(const std::string& manifest, const Error& error) {
 }
 
 Refusal without_manifest(const std::string& library) {
+  if (std::error_code code; !fs::exists(library, code) && code) {  // such as a loop of links
+    return {library, "it cannot be read: " + code.message(), "remove it, or install it again", {}};
+  }
   // It could not be described, and so has none.
   if (const auto missing = missing_sanitizer(library)) {
     return {library, "it " + missing->cause, missing->fix, {}};
@@ -119,8 +122,10 @@ std::optional<Refusal> check(const Manifest& manifest) {
   const auto refuse = [&](std::string cause, std::string fix) {
     return Refusal{manifest.library, std::move(cause), std::move(fix), ids_of(manifest)};
   };
-  if (!fs::exists(manifest.library)) {
-    return refuse("the library is missing, only its manifest is there",
+  std::error_code code;
+  if (!fs::exists(manifest.library, code)) {
+    return refuse(code ? "the library cannot be read: " + code.message()
+                       : "the library is missing, only its manifest is there",
                   "build or install the plugin again, or remove " + manifest.file);
   }
   if (const std::string mismatch = abi_mismatch(manifest.abi_major, manifest.needs_minor);

@@ -7,6 +7,7 @@
 
 #include "host/describe/build_id.hpp"
 #include "host/describe/describe.hpp"
+#include "host/loading/library_call.hpp"
 #include "host/loading/registry.hpp"
 #include "host/probing/child.hpp"
 #include "host/records/plugin_error.hpp"
@@ -60,11 +61,9 @@ Result<std::string> manifest_here(const std::string& library, std::string_view f
 Result<std::string> devices_here(const std::string& library, const std::string& id) {
   const auto component = load(installed(library, id));
   if (!component) return component.error();
-  const void* found =
-      (*component)->get_extension != nullptr ? (*component)->get_extension(WEFT_DEVICES) : nullptr;
-  const auto* extension = static_cast<const weft_devices*>(found);
-  if (extension == nullptr || extension->struct_size < sizeof(weft_devices) ||
-      extension->list == nullptr) {
+  const auto extension = extension_of<weft_devices>(**component, WEFT_DEVICES);
+  if (!extension) return extension.error();
+  if (*extension == nullptr || (*extension)->list == nullptr) {
     return Error{Errc::plugin_failure, "its list of devices is damaged; rebuild the plugin", id};
   }
   std::string devices;
@@ -72,7 +71,8 @@ Result<std::string> devices_here(const std::string& library, const std::string& 
   const auto add = [](void* context, const char* text) {
     if (text != nullptr) *static_cast<std::string*>(context) += std::string(text) + '\0';
   };
-  const std::int32_t status = extension->list(&devices, add, &error);
+  const std::int32_t status =
+      call_library(error, [&] { return (*extension)->list(&devices, add, &error); });
   if (status == WEFT_OK) return devices;
   return Error{Errc::plugin_failure, plugin_error(status, error, id).message, id};
 }

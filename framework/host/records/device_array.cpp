@@ -2,8 +2,12 @@
 #include "host/records/device_array.hpp"
 
 #include <algorithm>
+#include <cstdio>
+#include <stdexcept>
 #include <utility>
+#include <weft/core/quote.hpp>
 
+#include "host/loading/library_call.hpp"
 #include "host/records/plugin_error.hpp"
 #include "host/records/record.hpp"
 
@@ -34,10 +38,25 @@ DeviceArray::DeviceArray(std::string maker, const weft_array& array,
       arena_(std::move(arena)),
       pool_(std::move(pool)) {
   array_.name = name_.c_str();
-  library_.retain(array_.handle);
+  weft_error error = kNoError;
+  const std::int32_t status = call_library(error, [&] {
+    library_.retain(array_.handle);
+    return WEFT_OK;
+  });
+  if (status != WEFT_OK) throw std::runtime_error(maker_ + ": retain() " + error.message);
 }
 
-DeviceArray::~DeviceArray() { library_.release(array_.handle); }
+/// No call is left that could report a fault.
+DeviceArray::~DeviceArray() {
+  weft_error error = kNoError;
+  const std::int32_t status = call_library(error, [&] {
+    library_.release(array_.handle);
+    return WEFT_OK;
+  });
+  if (status == WEFT_OK) return;
+  std::fprintf(stderr, "weft: %s: release() of a device array %s\n", maker_.c_str(),
+               escaped(error.message).c_str());
+}
 
 Result<DeviceArray::Copy> DeviceArray::copy(const weft_call* call) {
   const auto failed = [&](const std::string& reason, Errc code = Errc::plugin_failure) {
@@ -56,7 +75,8 @@ Result<DeviceArray::Copy> DeviceArray::copy(const weft_call* call) {
       arena_ != nullptr ? arena_->allocate(bytes) : own_memory(bytes, pool_);
   if (memory == nullptr) return failed("cannot be copied: memory is short");
   weft_error error = kNoError;
-  const std::int32_t status = library_.download(call, array_.handle, memory.get(), bytes, &error);
+  const std::int32_t status = call_library(
+      error, [&] { return library_.download(call, array_.handle, memory.get(), bytes, &error); });
   if (status != WEFT_OK) {
     return failed("cannot be copied: " + plugin_error(status, error, maker_).message,
                   status == WEFT_CANCELLED ? Errc::cancelled : Errc::plugin_failure);
@@ -66,14 +86,13 @@ Result<DeviceArray::Copy> DeviceArray::copy(const weft_call* call) {
   return Copy{copy_, entry_at(copy_.get()), bytes};
 }
 
-const weft_device_memory* device_memory_of(const weft_component& component) {
-  if (component.get_extension == nullptr) return nullptr;
-  const auto* library =
-      static_cast<const weft_device_memory*>(component.get_extension(WEFT_DEVICE_MEMORY));
-  const bool usable = library != nullptr && library->struct_size >= sizeof(weft_device_memory) &&
-                      library->retain != nullptr && library->release != nullptr &&
-                      library->download != nullptr;
-  return usable ? library : nullptr;
+Result<const weft_device_memory*> device_memory_of(const weft_component& component) {
+  const auto found = extension_of<weft_device_memory>(component, WEFT_DEVICE_MEMORY);
+  if (!found || *found == nullptr) return found;
+  const weft_device_memory& table = **found;
+  if (table.retain != nullptr && table.release != nullptr && table.download != nullptr)
+    return found;
+  return Error{Errc::plugin_failure, "its table of device memory lacks a function", component.id};
 }
 
 Result<std::span<const weft_record>> ReachableInputs::reach(std::span<const weft_record> inputs,

@@ -54,8 +54,9 @@ class DeviceArray {
   std::shared_ptr<void> copy_;
 };
 
-/// The table behind a component's arrays in device memory, or null.
-const weft_device_memory* device_memory_of(const weft_component& component);
+/// The table behind a component's arrays in device memory; null if it has none. Fails as
+/// extension_of().
+Result<const weft_device_memory*> device_memory_of(const weft_component& component);
 
 /// The inputs of one call as its component can read them.
 class ReachableInputs {

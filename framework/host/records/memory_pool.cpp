@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/records/memory_pool.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -105,6 +107,13 @@ void* MemoryPool::take_free(std::size_t size) noexcept {
 
 void MemoryPool::drop_free(std::size_t size) noexcept {
   ::operator delete(take_free(size), kAligned);
+}
+
+void keep_freed_memory() {
+  constexpr int kLargestInHeap_bytes = 32 << 20;  // the largest value that the C library accepts
+  constexpr int kMostFree_bytes = 64 << 20;
+  mallopt(M_MMAP_THRESHOLD, kLargestInHeap_bytes);
+  mallopt(M_TRIM_THRESHOLD, kMostFree_bytes);
 }
 
 std::shared_ptr<void> own_memory(std::size_t bytes, const std::shared_ptr<MemoryPool>& pool) try {

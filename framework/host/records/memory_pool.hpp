@@ -113,6 +113,11 @@ class PoolAllocator {
 template <class T>
 using PooledVector = std::vector<T, PoolAllocator<T>>;
 
+/// From now on, the allocator of this process keeps up to 64 MiB of freed memory for the next
+/// frame. Otherwise it returns large blocks to the kernel, which clears thousands of pages in each
+/// frame. For the main functions of programs; a library does not change its process.
+void keep_freed_memory();
+
 /// 64-byte aligned, not cleared and marked as unwritten, with a line behind that may be read; of
 /// the allocator where there is no pool. Null when memory is short.
 std::shared_ptr<void> own_memory(std::size_t bytes, const std::shared_ptr<MemoryPool>& pool);

@@ -11,7 +11,22 @@ namespace {
 
 constexpr std::int64_t kLargestArray = std::int64_t{1} << 40;  // bytes
 
-/// True if a name is legal in files and reports.
+template <class T>
+bool all_finite(const weft_array& array) {
+  const auto is_number = [](T value) { return std::isfinite(static_cast<double>(value)); };
+  if (array.ndim == 0) return is_number(*static_cast<const T*>(array.data));
+  const Array<T> values = detail::borrow_array<T>(array);
+  for (std::int64_t i = 0; i < values.rows(); ++i) {
+    const T* row = values.row(i);
+    for (std::int64_t j = 0; j < values.row_elements(); ++j) {
+      if (!is_number(row[j])) return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
 bool is_legal_name(std::string_view name) {
   const auto legal = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
@@ -21,82 +36,9 @@ bool is_legal_name(std::string_view name) {
          std::all_of(name.begin(), name.end(), legal);
 }
 
-/// The catalogue's own text for a type; null where it has no such type.
-const char* catalogue_type(std::string_view type) {
-  const char* found = nullptr;
-  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
-    if (type == RecordType::kType) found = RecordType::kType;
-  });
-  return found;
-}
-
-/// The error of third-party arrays, in words, or an empty text. Their content is arbitrary, but
-/// they must be readable and have a name that the catalogue will never use.
-std::string illegal_vendor_array(const weft_record& record) {
-  for (const weft_array* array = record.arrays; array != record.arrays + record.count; ++array) {
-    if (!std::string_view(array->name).starts_with("x.")) continue;
-    const std::string layout = ShapePattern::check_layout(*array);
-    if (is_vendor_name(array->name) && layout.empty()) continue;
-    return std::string(record.type) + ": array '" + array->name + "' " +
-           (layout.empty() ? "must be called x.vendor.name" : layout);
-  }
-  return {};
-}
-
-/// Visits the fields of a record struct and finds numbers that are not finite, and arrays that are
-/// in device memory and no fields.
-class ContentCheck {
- public:
-  explicit ContentCheck(const weft_record& record) : record_(record) {}
-
-  template <class Member>
-  void operator()(const Member&, const Field& field) {
-    const weft_array* array = find_array(record_, field.name);
-    if (array == nullptr || !problem_.empty()) return;
-    if (array->memory == WEFT_DEVICE) {
-      ++on_device_;  // their numbers are looked at when they are fetched
-      return;
-    }
-    if (field.may_be_nan) return;
-    if (!is_finite(*array)) {
-      problem_ = std::string(record_.type) + ": array '" + field.name + "' holds NaN or infinity";
-    }
-  }
-  /// Once all fields have been visited.
-  std::string problem() const {
-    const auto is_remote = [](const weft_array& array) { return array.memory == WEFT_DEVICE; };
-    const auto* end = record_.arrays + record_.count;
-    if (problem_.empty() && std::count_if(record_.arrays, end, is_remote) != on_device_) {
-      return std::string(record_.type) +
-             ": an array that is not in the catalogue lies in device "
-             "memory";
-    }
-    return problem_;
-  }
-
- private:
-  const weft_record& record_;
-  std::string problem_;
-  std::int64_t on_device_ = 0;
-};
-
-template <class T>
-bool all_finite(const weft_array& array) {
-  if (array.ndim == 0) return std::isfinite(*static_cast<const T*>(array.data));
-  const Array<T> values = detail::borrow_array<T>(array);
-  for (std::int64_t i = 0; i < values.rows(); ++i) {
-    const T* row = values.row(i);
-    for (std::int64_t j = 0; j < values.row_elements(); ++j) {
-      if (!std::isfinite(row[j])) return false;
-    }
-  }
-  return true;
-}
-
-}  // namespace
-
 bool is_finite(const weft_array& array) {
   if (array.dtype == WEFT_F64) return all_finite<double>(array);
+  if (array.dtype == WEFT_F16) return all_finite<Float16>(array);
   return array.dtype != WEFT_F32 || all_finite<float>(array);
 }
 
@@ -134,14 +76,13 @@ std::int64_t array_bytes(std::int32_t dtype, std::int32_t ndim, const std::int64
 
 Record::Record(std::string_view type, std::shared_ptr<SharedArena> arena,
                std::shared_ptr<MemoryPool> pool)
-    : type_(catalogue_type(type)),
+    : schema_(catalogue_schema(type)),
       pool_(std::move(pool)),
       arena_(std::move(arena)),
       entries_(pool_),
-      arrays_(pool_) {
-  if (type_ != nullptr) return;
-  own_type_ = type;
-  type_ = own_type_.c_str();
+      arrays_(pool_),
+      replaced_(pool_) {
+  if (schema_ == nullptr) own_type_ = type;
 }
 
 std::size_t Record::slot_of(std::string_view name) {
@@ -195,6 +136,11 @@ weft_array& Record::place(std::string_view name, std::int32_t dtype, std::int32_
                           const std::int64_t* shape, std::shared_ptr<void> contents,
                           weft_memory kind) {
   const std::size_t index = slot_of(name);
+  if (entries_[index].memory != nullptr) {
+    const weft_array& old = arrays_[index];
+    if (old.memory != WEFT_DEVICE) replaced_bytes_ += array_bytes(old.dtype, old.ndim, old.shape);
+    replaced_.push_back(std::move(entries_[index].memory));
+  }
   arrays_[index] = array_at(entries_[index].name.c_str(), dtype, ndim, shape, contents.get(), kind);
   if (kind == WEFT_DEVICE) std::swap(arrays_[index].data, arrays_[index].owner);
   entries_[index].memory = std::move(contents);
@@ -202,7 +148,15 @@ weft_array& Record::place(std::string_view name, std::int32_t dtype, std::int32_
 }
 
 weft_record Record::view(const char* slot) const {
-  return {slot, type_, revision_, producer_, arrays_.size(), arrays_.data(), frame_, 0, 0, {}};
+  weft_record record{};
+  record.slot = slot;
+  record.type = type().data();
+  record.revision = revision_;
+  record.producer = producer_;
+  record.count = arrays_.size();
+  record.arrays = arrays_.data();
+  record.frame = frame_;
+  return record;
 }
 
 void Record::share(const Record& other, std::string_view name) {
@@ -216,7 +170,7 @@ void Record::share(const Record& other, std::string_view name) {
 }
 
 std::shared_ptr<const Record> Record::alias() const {
-  auto same = make(type_, pool_);
+  auto same = make(type(), pool_);
   for (const Entry& entry : entries_) same->share(*this, entry.name);
   same->revision_ = revision_;
   same->producer_ = producer_;
@@ -225,7 +179,7 @@ std::shared_ptr<const Record> Record::alias() const {
 }
 
 Result<RecordPtr> Record::in_host_memory() const {
-  auto here = make(type_, pool_);
+  auto here = make(type(), pool_);
   for (std::size_t i = 0; i < arrays_.size(); ++i) {
     here->share(*this, entries_[i].name);
     const weft_array& array = arrays_[i];
@@ -235,33 +189,11 @@ Result<RecordPtr> Record::in_host_memory() const {
     here->place(array.name, array.dtype, array.ndim, array.shape, std::move(copy->memory),
                 static_cast<weft_memory>(copy->array.memory));
   }
+  here->forget_replaced();
   here->revision_ = revision_;
   here->producer_ = producer_;
   here->frame_ = frame_;
   return RecordPtr(std::move(here));
-}
-
-Result<void> validate(const weft_record& record) {
-  Result<void> status;
-  bool is_known = false;
-  for_each_record_type([&]<class RecordType>(std::type_identity<RecordType>) {
-    if (std::string_view(record.type) != RecordType::kType) return;
-    is_known = true;
-    const RecordType fields{};
-    detail::FieldCheck layout(record);
-    RecordType::fields(fields, layout);
-    if (!layout.error().empty()) {
-      status = Error{Errc::invalid_data, layout.error()};
-      return;
-    }
-    ContentCheck content(record);
-    RecordType::fields(fields, content);
-    std::string problem = content.problem();
-    if (problem.empty()) problem = illegal_vendor_array(record);
-    if (!problem.empty()) status = Error{Errc::invalid_data, problem};
-  });
-  if (is_known) return status;
-  return Error{Errc::invalid_data, std::string("unknown record type ") + record.type};
 }
 
 Result<void> check_lengths(const weft_record& output, std::span<const weft_record> inputs) {

@@ -12,6 +12,7 @@
 
 #include "host/records/device_array.hpp"
 #include "host/records/memory_pool.hpp"
+#include "host/records/record_schema.hpp"
 #include "host/records/shared_memory.hpp"
 
 namespace weft::host {
@@ -50,12 +51,24 @@ class Record {
              const std::int64_t* shape, const weft_device_memory& library, std::uint64_t handle,
              const std::string& maker);
 
-  std::string_view type() const { return type_; }
+  /// Ends with NUL.
+  std::string_view type() const { return schema_ != nullptr ? schema_->type : own_type_; }
+  /// The catalogue's schema of its type; null for a type of a vendor.
+  const RecordSchema* schema() const { return schema_; }
   std::uint64_t revision() const { return revision_; }
   void set_revision(std::uint64_t revision) { revision_ = revision; }
   void set_producer(std::uint64_t component) { producer_ = component; }
-  /// The frame in which it was made; 2^64-1 for none.
-  void set_frame(std::uint64_t frame) { frame_ = static_cast<std::int64_t>(frame); }
+  std::int64_t frame() const { return frame_; }
+  /// The frame in which it was made, or WEFT_NO_FRAME.
+  void set_frame(std::int64_t frame) { frame_ = frame; }
+
+  /// Bytes of the arrays that others have replaced. Their maker may still write them, so that they
+  /// are kept until forget_replaced().
+  std::int64_t replaced_bytes() const { return replaced_bytes_; }
+  void forget_replaced() {
+    replaced_.clear();
+    replaced_bytes_ = 0;
+  }
 
   /// The arrays as the contract sees them, valid while this record lives and is not changed.
   weft_record view(const char* slot) const;
@@ -90,7 +103,7 @@ class Record {
   weft_array& place(std::string_view name, std::int32_t dtype, std::int32_t ndim,
                     const std::int64_t* shape, std::shared_ptr<void> contents, weft_memory kind);
 
-  const char* type_;      ///< the catalogue's, or own_type_
+  const RecordSchema* schema_;
   std::string own_type_;  ///< where the catalogue has no such type
   std::shared_ptr<MemoryPool> pool_;
   std::shared_ptr<SharedArena> arena_;
@@ -99,6 +112,8 @@ class Record {
   std::int64_t frame_ = WEFT_NO_FRAME;
   PooledVector<Entry> entries_;
   PooledVector<weft_array> arrays_;
+  PooledVector<std::shared_ptr<void>> replaced_;
+  std::int64_t replaced_bytes_ = 0;
 };
 
 using RecordPtr = std::shared_ptr<const Record>;
@@ -112,6 +127,9 @@ bool is_finite(const weft_array& array);
 /// The entry of an array that lies contiguous in C order.
 weft_array array_at(const char* name, std::int32_t dtype, std::int32_t ndim,
                     const std::int64_t* shape, void* data, weft_memory kind);
+
+/// True if a name is legal in files and reports.
+bool is_legal_name(std::string_view name);
 
 /// [bytes] of an array, or -1 when its type or shape is illegal.
 std::int64_t array_bytes(std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape);
@@ -127,10 +145,6 @@ template <class RecordType>
 Result<RecordType> arrays_of(const Record& record) {
   return read_arrays<RecordType>(record.view(""));
 }
-
-/// Checks that a record has the arrays, types and shapes of the catalogue, and no NaN or infinity
-/// in finite fields; the Error names the array.
-Result<void> validate(const weft_record& record);
 
 /// Checks that an output of a call is as long as the inputs to which it refers. A mask refers to
 /// its matches, samples of a warp to the points, a shape and its visibility to the template's mesh.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <mutex>
 #include <optional>
+#include <weft/core/quote.hpp>
 #include <weft/core/version.hpp>
 
 #include "host/workers/codec.hpp"
@@ -15,6 +16,37 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds kCancelPatience{1000};
 constexpr std::chrono::milliseconds kLeastToStart{10'000};
+
+/// The log messages of one call. The worker limits them too, unless a library has damaged it.
+class LogMessages {
+ public:
+  explicit LogMessages(const WorkerContext& context) : context_(context) {}
+  ~LogMessages() {
+    if (count_ <= kMost) return;
+    context_.log(component_, kWarning,
+                 std::to_string(count_ - kMost) + " further messages were dropped", frame_);
+  }
+  LogMessages(const LogMessages&) = delete;
+  LogMessages& operator=(const LogMessages&) = delete;
+
+  void pass_on(const LogMessage& message) {
+    if (++count_ > kMost) return;
+    component_ = escaped(message.component, kLongestName);
+    frame_ = message.frame;
+    context_.log(component_, std::clamp(message.level, 0, kWarning),
+                 escaped(message.text, kLongestText), frame_);
+  }
+
+ private:
+  // More than the worker lets one component send: components that are nested in it add theirs.
+  static constexpr std::uint64_t kMost = 1000;
+  static constexpr std::size_t kLongestName = 1000, kLongestText = 5000;  ///< [characters]
+
+  const WorkerContext& context_;
+  std::uint64_t count_ = 0;
+  std::string component_;
+  std::uint64_t frame_ = 0;
+};
 
 }  // namespace
 
@@ -170,6 +202,7 @@ Result<ReplyMessage> WorkerSession::converse(MessageKind kind, const std::string
     if (has_ended) return died();
     return fail("gave no answer within " + std::to_string(deadline.count()) + " ms and was ended");
   };
+  LogMessages log_messages(context_);
   Channel& channel = process_->channel();
   const std::uint64_t call = ++calls_;
   if (!channel.send(kind, content, call)) return died();
@@ -190,9 +223,7 @@ Result<ReplyMessage> WorkerSession::converse(MessageKind kind, const std::string
     if (message.kind != MessageKind::log || !log) {
       return fail("sent what is no answer, and was ended");
     }
-    if (context_.log && is_taken()) {
-      context_.log(log->component, log->level, log->text, log->frame);
-    }
+    if (context_.log && is_taken()) log_messages.pass_on(*log);
     if (!keep_waiting()) return gave_up();
   }
 }

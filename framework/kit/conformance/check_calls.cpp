@@ -6,6 +6,7 @@
 #include <thread>
 #include <weft/core/index.hpp>
 
+#include "kit/conformance/check_host_use.hpp"
 #include "kit/conformance/groups.hpp"
 
 namespace weft::conformance {
@@ -127,6 +128,10 @@ void check_calls(const Setting& setting, Notebook& notebook) {
     Performer performer(play.subject());
     if (const auto created = performer.create(); !created) page.fail(created.error().message);
   });
+  notebook.check("calls/structs", [&](Page& page) { check_structs(play, page); });
+  notebook.check("calls/log", [&](Page& page) { check_log(play, page); });
+  notebook.check("calls/invocations", [&](Page& page) { check_invocations(play, page); });
+  notebook.check("calls/exit", [&](Page& page) { check_exit(play, page); });
   notebook.check("calls/sanitized", [&](Page& page) {
     page.skip("data races are seen where plugin and host are built with ThreadSanitizer");
   });

@@ -7,26 +7,33 @@
 #include <stdexcept>
 #include <weft/testing/role_contract.hpp>
 
+#include "kit/conformance/probes/sealed_host.hpp"
+#include "kit/conformance/processor_time.hpp"
 #include "process/child.hpp"
 
 namespace weft::conformance {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-constexpr int kWhole = 86;  ///< exit code of a process that came to the end of its checks
+constexpr std::chrono::milliseconds kBetween{200};
+constexpr double kSleeping = 0.02;  ///< most CPU time, as a part of wall-clock time
+constexpr int kWhole = 86;          ///< exit code of a process that came to the end of its checks
 
 /// Data for a signal handler.
 int remarks_to = -1;
 
-/// A component that writes into an input gets a remark; the signal's effect does not change.
+/// A component that writes what it must only read gets a remark; the signal's effect does not
+/// change.
 void on_fault(int signal, siginfo_t* info, void* /*context*/) {
   const testing::SpoiltInput spoilt = testing::spoilt_input_at(info->si_addr);
   if (spoilt.input != nullptr) {
-    Notebook::remark(remarks_to, "it ");
-    Notebook::remark(remarks_to, spoilt.access);
-    Notebook::remark(remarks_to, spoilt.input);
-    Notebook::remark(remarks_to, ": ");
+    remark_on_end("it ");
+    remark_on_end(spoilt.access);
+    remark_on_end(spoilt.input);
+    remark_on_end(": ");
+  } else if (const SealedPlace place = sealed_place(info->si_addr); place.what != nullptr) {
+    remark_on_end(place.is_left ? "after a call had returned it used " : "it wrote into ");
+    remark_on_end(place.what);
+    remark_on_end(": ");
   }
   std::signal(signal, SIG_DFL);
   if (info->si_code <= 0) raise(signal);  // a fault comes again by itself
@@ -64,6 +71,19 @@ Finding failure(const Notes& notes, const std::string& first, const std::string&
 
 }  // namespace
 
+void remark_on_end(const char* text) { Notebook::remark(remarks_to, text); }
+
+bool Deadline::is_over(const std::string& written) {
+  if (written.size() > size_) last_ = looked_ = Clock::now();
+  size_ = written.size();
+  const auto now = Clock::now();
+  if (now - last_ <= longest_ || now - looked_ <= kBetween) return false;
+  looked_ = now;
+  const std::chrono::duration<double, std::milli> longest = longest_, waited = now - last_;
+  const double used_ms = descendants_processor_ms() - read_notes(written).begun_ms;
+  return used_ms > longest.count() || used_ms < kSleeping * waited.count();
+}
+
 std::vector<Finding> check_in_child(const std::string& first, const Choice& choice,
                                     std::chrono::seconds longest,
                                     const std::function<void(Notebook&)>& make) {
@@ -73,13 +93,8 @@ std::vector<Finding> check_in_child(const std::string& first, const Choice& choi
                     .err = process::kMemory});
   if (!started) throw std::runtime_error(started.error().message);
   process::Child& child = **started;
-  std::size_t written = 0;
-  auto last = Clock::now();
-  child.listen([&] {
-    if (child.out().size() > written) last = Clock::now();
-    written = child.out().size();
-    return Clock::now() - last <= longest;
-  });
+  Deadline deadline(longest);
+  child.listen([&] { return !deadline.is_over(child.out()); });
   const bool late = !child.ending();
   const process::Ending ending = child.end();
   child.read();

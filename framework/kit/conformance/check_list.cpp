@@ -49,7 +49,9 @@ std::vector<CheckInfo> of_files_and_tables() {
        kBrief},
       {"parameters/ends",
        "Both ends of each range, each flag and each choice give a legal answer."},
-      {"parameters/pairs", "So do 200 random pairs of values, or as many as fit into 20 s."},
+      {"parameters/pairs",
+       "So do 200 random pairs of values, or as many as fit into 20 s of CPU "
+       "time."},
       {"parameters/live", "A parameter set between two frames gives what a new instance gives."},
   };
 }
@@ -170,6 +172,13 @@ std::vector<CheckInfo> of_calls_and_limits() {
       {"calls/prepared_twice",
        "An instance that is prepared twice answers as one that is prepared once."},
       {"calls/unprepared", "An instance can be destroyed without being prepared."},
+      {"calls/structs", "The structs of a call are only read, and not used once it has returned."},
+      {"calls/log",
+       "Texts for the log are lines of UTF-8 of at most 4096 bytes, and at most 100 in a call."},
+      {"calls/invocations", "It invokes only components that it was given."},
+      {"calls/exit",
+       "A program that has used it ends with `exit`: without a crash, a text, or another exit "
+       "code."},
       {"calls/sanitized",
        "Two instances at once have no data race: only a build with ThreadSanitizer detects it, so "
        "never here."},
@@ -181,15 +190,18 @@ std::vector<CheckInfo> of_calls_and_limits() {
       {"limits/working_directory", "the working directory,"},
       {"limits/umask", "the mask of permissions,"},
       {"limits/environment", "the environment,"},
+      {"limits/process", "resource limits, timers, CPU affinity, priority and terminate handler,"},
       {"limits/opencv_threads", "and the number of OpenCV's threads."},
+      {"limits/silent", "It prints nothing to stdout, which belongs to the program."},
       {"limits/generator", "The C library's random generator is not drawn from."},
       {"limits/seed",
        "The seed matters only to a component that declares `random`, or contains one that does."},
       {"limits/descriptors", "Instances leave no file open."},
-      {"limits/threads", "Instances leave no thread behind."},
+      {"limits/threads", "Once destroyed, instances leave no thread behind."},
       {"limits/isolated", "In a separate process it gives the same bytes."},
       {"limits/memory",
-       "10,000 calls, or as many as fit into 2 s and at least 10, grow the process by less than 1 "
+       "10,000 calls, or as many as fit into 2 s of CPU time and at least 10, grow the process by "
+       "less than 1 "
        "MiB. Each grows the heap by less than 128 bytes, the least of three times."},
       {"limits/large",
        "An image of 3840 x 2160 or 100,000 matches are answered in 16 GiB. After 30 s of CPU time, "

@@ -9,15 +9,16 @@
 #include "kit/conformance/check_in_child.hpp"
 #include "kit/conformance/groups.hpp"
 #include "kit/conformance/probes/parameter_values.hpp"
+#include "kit/conformance/processor_time.hpp"
 
 namespace weft::conformance {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-using std::chrono::milliseconds;
+using Milliseconds = std::chrono::duration<double, std::milli>;
 
-constexpr milliseconds kLongestCalls{300};  ///< with one choice of values
-constexpr std::chrono::seconds kLongestPairs{20}, kLongestEnds{30};
+// CPU time.
+constexpr Milliseconds kLongestCalls{300.0};  ///< with one choice of values
+constexpr Milliseconds kLongestPairs{20'000.0}, kLongestEnds{30'000.0};
 constexpr int kPairs = 200, kLive = 3;
 
 /// The answers of a component with these parameters, or their refusal. Calls are cancelled after a
@@ -32,12 +33,11 @@ Tried try_out(const Setting& setting, const yaml::Node& params) {
   const auto play = Play::of(setting, &params);
   if (!play) return tried;  // refused, with a reason
   Performer performer((*play)->subject());
-  const auto end = Clock::now() + kLongestCalls;
-  const auto is_late = [&] { return Clock::now() > end; };
-  performer.watch(is_late);
+  const Budget budget(kLongestCalls);
+  performer.watch([&] { return budget.is_over(); });
   const Answer begun = (*play)->begin(performer);
   tried.answers.push_back(begun);
-  if (begun.is_usable() && !is_late()) tried.answers.push_back((*play)->frame(performer, 0));
+  if (begun.is_usable() && !budget.is_over()) tried.answers.push_back((*play)->frame(performer, 0));
   for (const Answer& answer : tried.answers) {
     const bool stopped = answer.status == WEFT_CANCELLED || answer.code == Errc::cancelled;
     if (stopped) continue;
@@ -54,13 +54,13 @@ void check_defaults(const host::ComponentManifest& manifest, Page& page) {
   }
 }
 
-void check_ends(const Setting& setting, const yaml::Node& base, Page& page) {
+void check_ends(const Setting& setting, const yaml::Node& base, double effort, Page& page) {
   const auto& parameters = setting.candidate.installed()->component.parameters;
-  const auto end = Clock::now() + kLongestEnds;
+  const Budget budget(effort * kLongestEnds);
   int made = 0, left = 0;
   for (const host::ParameterSpec& parameter : parameters) {
     for (const yaml::Node& value : end_values(parameter)) {
-      if (Clock::now() > end) {
+      if (budget.is_over()) {
         ++left;
         continue;
       }
@@ -72,8 +72,7 @@ void check_ends(const Setting& setting, const yaml::Node& base, Page& page) {
     }
   }
   if (made == 0) return page.skip("no parameter is a number with ends, a flag or a choice");
-  page.note(left == 0 ? fmt::format("{} values", made)
-                      : fmt::format("{} values; no time for {} more", made, left));
+  page.note_count(made, made + left, "values");
 }
 
 /// Checks the answer of create to values that the host would never pass on.
@@ -112,16 +111,16 @@ void check_unknown(const Setting& setting, const weft_component& component, Page
                           error.message));
 }
 
-void check_pairs(const Setting& setting, const yaml::Node& base, Page& page) {
+void check_pairs(const Setting& setting, const yaml::Node& base, double effort, Page& page) {
   std::vector<const host::ParameterSpec*> open;
   for (const auto& parameter : setting.candidate.installed()->component.parameters) {
     if (can_draw(parameter)) open.push_back(&parameter);
   }
   if (open.empty()) return page.skip("no parameter is a number, a flag or a choice");
   Rng rng(setting.candidate.seed);
-  const auto end = Clock::now() + kLongestPairs;
+  const Budget budget(effort * kLongestPairs);
   int made = 0;
-  for (; made < kPairs && Clock::now() < end; ++made) {
+  for (; made < kPairs && !budget.is_over(); ++made) {
     yaml::Node params = base;
     std::string text;
     for (int which = 0; which < 2; ++which) {
@@ -133,7 +132,7 @@ void check_pairs(const Setting& setting, const yaml::Node& base, Page& page) {
     const Tried tried = try_out(setting, params);
     if (!tried.mistake.empty()) page.fail("with {" + text + "}: " + tried.mistake);
   }
-  page.note(fmt::format("{} pairs{}", made, made < kPairs ? ", then the time was over" : ""));
+  page.note_count(made, kPairs, "pairs");
 }
 
 /// A short text of an answer, such that two can be compared.
@@ -165,7 +164,7 @@ void check_set(const Setting& setting, const yaml::Node& base, const host::Param
   const auto before = Play::of(setting), after = Play::of(setting, &params);
   if (!before || !after || !(*after)->subject().is_exact()) return;
   const auto watched = [](Performer& performer) {
-    performer.watch([end = Clock::now() + kLongestCalls] { return Clock::now() > end; });
+    performer.watch([budget = Budget(kLongestCalls)] { return budget.is_over(); });
   };
   const auto stopped = [] { return Answer{WEFT_CANCELLED, Errc::cancelled, "", {}}; };
   const std::string expected = digest_in_child([&] {
@@ -209,6 +208,7 @@ void check_parameters(const Setting& setting, Notebook& notebook) {
   const auto loaded = host::load(entry);
   const auto base = parsed_params(setting.candidate.params);
   if (!loaded || !base) return;  // reported by another check
+  const double effort = notebook.choice().effort;
   // The first one, for it wants a process in which nothing has been called.
   notebook.check("parameters/live", [&](Page& page) { check_live(setting, *base, page); });
   notebook.check("parameters/defaults", [&](Page& page) { check_defaults(entry.component, page); });
@@ -223,8 +223,9 @@ void check_parameters(const Setting& setting, Notebook& notebook) {
     if (all.empty()) page.skip("it has no parameter");
   });
   notebook.check("parameters/unknown", [&](Page& page) { check_unknown(setting, **loaded, page); });
-  notebook.check("parameters/ends", [&](Page& page) { check_ends(setting, *base, page); });
-  notebook.check("parameters/pairs", [&](Page& page) { check_pairs(setting, *base, page); });
+  notebook.check("parameters/ends", [&](Page& page) { check_ends(setting, *base, effort, page); });
+  notebook.check("parameters/pairs",
+                 [&](Page& page) { check_pairs(setting, *base, effort, page); });
 }
 
 }  // namespace weft::conformance

@@ -16,7 +16,7 @@ constexpr std::array kExtensions = {WEFT_DEVICE_MEMORY, WEFT_DEVICES,   WEFT_CHE
                                     WEFT_SWEEP,         WEFT_ISOLATION, WEFT_STEERING};
 
 const void* extension(const weft_component& component, const char* name) {
-  return component.get_extension != nullptr ? component.get_extension(name) : nullptr;
+  return component.get_extension != nullptr ? component.get_extension(&component, name) : nullptr;
 }
 
 void check_unknown(const weft_component& component, Page& page) {

@@ -90,11 +90,11 @@ const std::vector<Group>& all_groups() {
   static const std::vector<Group> all = {
       {"load", "the library as a file, and what loading it does", &check_load, seconds(60), false},
       {"table", "the component's own description, and other hosts", &check_table, seconds(60)},
-      {"parameters", "legal and illegal values", &check_parameters, seconds(240)},
-      {"contract", "the contract of its role", &check_contract, seconds(240)},
+      {"parameters", "legal and illegal values", &check_parameters, seconds(120)},
+      {"contract", "the contract of its role", &check_contract, seconds(120)},
       {"geometry", "the laws of geometry", &check_geometry, seconds(240)},
-      {"calls", "the same answers, however it is called", &check_calls, seconds(240)},
-      {"limits", "what it takes, and what it leaves as it was", &check_limits, seconds(240)},
+      {"calls", "the same answers, however it is called", &check_calls, seconds(120)},
+      {"limits", "what it takes, and what it leaves as it was", &check_limits, seconds(120)},
   };
   return all;
 }

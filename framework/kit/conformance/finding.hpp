@@ -27,10 +27,18 @@ struct Finding {
                      ///< apply; a figure
 };
 
+/// The beginning of what is seen by a check that holds with fewer repetitions than it has.
+inline constexpr std::string_view kReduced = "reduced: ";
+
+inline bool is_reduced(const Finding& finding) {
+  return finding.verdict == Verdict::holds && finding.seen.starts_with(kReduced);
+}
+
 /// Which checks are made.
 struct Choice {
-  std::string only;    ///< a group or a check; empty for all
-  bool brief = false;  ///< those alone that take little time
+  std::string only;     ///< a group or a check; empty for all
+  bool brief = false;   ///< those alone that take little time
+  double effort = 1.0;  ///< CPU time for the checks that repeat calls, as a part of their whole
 
   bool takes(std::string_view check) const {
     return only.empty() || check == only || check.starts_with(only + "/");

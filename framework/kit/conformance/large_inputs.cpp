@@ -119,7 +119,7 @@ constexpr const char* kNoStage = "only stages are given images and matches by th
 
 }  // namespace
 
-void check_large(const Setting& setting, Page& page) {
+void check_large(const Setting& setting, double effort, Page& page) {
   if (!is_large_for(setting)) return page.skip(kNoStage);
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   return page.skip("this program is sanitized, which takes more addresses than it may have");
@@ -128,7 +128,8 @@ void check_large(const Setting& setting, Page& page) {
   rlimit before{};
   getrlimit(RLIMIT_AS, &before);
   setrlimit(RLIMIT_AS, &limit);
-  const Large large = call_large(setting, kPatience_ms);
+  const double patience_ms = effort * kPatience_ms;
+  const Large large = call_large(setting, patience_ms);
   setrlimit(RLIMIT_AS, &before);
   if (!large.refused.empty()) return page.fail("it cannot be made ready: " + large.refused);
   if (large.answer.code == Errc::no_memory) {
@@ -141,9 +142,15 @@ void check_large(const Setting& setting, Page& page) {
   }
   page.expect(large.after_stop_ms < kLongestWait_ms,
               fmt::format("not done after {:.0f} s, and once cancelled it goes on for {:.1f} s",
-                          kPatience_ms / 1e3, large.after_stop_ms / 1e3));
+                          patience_ms / 1e3, large.after_stop_ms / 1e3));
+  if (effort < 1.0) {
+    return page.note(
+        fmt::format("{}cancelled after {:.0f} of {:.0f} s of CPU time; stopped {:.0f} "
+                    "ms later",
+                    kReduced, patience_ms / 1e3, kPatience_ms / 1e3, large.after_stop_ms));
+  }
   page.note(fmt::format("not done after {:.0f} s; stopped {:.0f} ms after it was cancelled",
-                        kPatience_ms / 1e3, large.after_stop_ms));
+                        patience_ms / 1e3, large.after_stop_ms));
 }
 
 void check_cancelled(const Setting& setting, Page& page) {

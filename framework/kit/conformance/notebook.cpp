@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kit/conformance/notebook.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cstring>
 #include <exception>
 
 #include "kit/conformance/check_list.hpp"
+#include "kit/conformance/processor_time.hpp"
 
 namespace weft::conformance {
 namespace {
@@ -36,6 +38,11 @@ void Page::note(const std::string& figure) {
   if (verdict_ == Verdict::holds) seen_ = figure;
 }
 
+void Page::note_count(std::int64_t made, std::int64_t all, const std::string& what) {
+  note(made >= all ? fmt::format("{} {}", made, what)
+                   : fmt::format("{}{} of {} {}", kReduced, made, all, what));
+}
+
 bool Notebook::is_chosen(const std::string& name) const {
   const CheckInfo* info = find_check(name);
   return choice_.takes(name) && (!choice_.brief || info == nullptr || info->brief);
@@ -57,13 +64,17 @@ void Notebook::begin(const std::string& name) {
   open_.reset();
   if (!is_chosen(name)) return;
   open_ = name;
-  write(kBegun + name + kEnd);
+  write(kBegun + name + kField + std::to_string(own_processor_ms()) + kEnd);
 }
 
 void Notebook::end(const Page& page) {
   if (!open_) return;
   const Finding found = page.finding(*open_);
   open_.reset();
+  add(found);
+}
+
+void Notebook::add(const Finding& found) {
   const char verdict = static_cast<char>('0' + static_cast<int>(found.verdict));
   write(kEnded + found.check + kField + verdict + kField + found.seen + kEnd);
 }
@@ -92,10 +103,15 @@ Notes read_notes(const std::string& written) {
     const std::string note = written.substr(at + 1, end - at - 1);
     const char kind = written[at];
     at = end + 1;
-    if (kind == kBegun) notes.unfinished = note;
+    const std::size_t first = note.find(kField);
     if (kind == kRemark) notes.remarks += note;
+    if (kind == kBegun && first != std::string::npos) {
+      notes.unfinished = note.substr(0, first);
+      notes.begun_ms = std::stod(note.substr(first + 1));
+      notes.remarks.clear();
+    }
     if (kind != kEnded) continue;
-    const std::size_t first = note.find(kField), second = note.find(kField, first + 1);
+    const std::size_t second = note.find(kField, first + 1);
     if (second == std::string::npos) continue;
     notes.findings.push_back({note.substr(0, first), static_cast<Verdict>(note[first + 1] - '0'),
                               note.substr(second + 1)});

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -21,6 +22,8 @@ class Page {
   }
   void skip(const std::string& why);
   void note(const std::string& figure);  ///< for readers who request it, if the check holds
+  /// Notes how many repetitions were made: "200 pairs", or "reduced: 57 of 200 pairs".
+  void note_count(std::int64_t made, std::int64_t all, const std::string& what);
 
   bool failed() const { return verdict_ == Verdict::fails; }
   Finding finding(const std::string& check) const { return {check, verdict_, seen_}; }
@@ -47,6 +50,9 @@ class Notebook {
   void begin(const std::string& name);
   void end(const Page& page);
 
+  /// Records what another notebook has found.
+  void add(const Finding& finding);
+
   /// The remark on the current check if its process ends: for signal handlers.
   static void remark(int file, const char* text);
 
@@ -64,7 +70,8 @@ class Notebook {
 struct Notes {
   std::vector<Finding> findings;  ///< [.] in the order of the checks
   std::string unfinished;         ///< the check in which it ends; empty where it was closed
-  std::string remarks;
+  double begun_ms = 0.0;          ///< CPU time of its process when that check began
+  std::string remarks;            ///< on that check
 };
 Notes read_notes(const std::string& written);
 

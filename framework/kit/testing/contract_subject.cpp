@@ -11,6 +11,7 @@
 #include "host/calling/execution_context_parts.hpp"
 #include "host/calling/protected_inputs.hpp"
 #include "host/loading/component_checks.hpp"
+#include "host/loading/library_call.hpp"
 #include "host/records/plugin_error.hpp"
 
 namespace weft::testing {
@@ -180,6 +181,8 @@ std::int32_t Passage::process(const weft_component& component, void* self, const
   return component.process(self, &call, inputs.data(), inputs.size(), error);
 }
 
+void Passage::destroy(const weft_component& component, void* self) { component.destroy(self); }
+
 /// Replaces an instance whose calls take a passage.
 struct Performer::Passed {
   Passage& passage;
@@ -198,7 +201,7 @@ struct Performer::Passed {
     const Passed& to = of(self);
     return to.passage.process(to.component, to.self, *call, {inputs, count}, error);
   }
-  static void destroy(void* self) { of(self).component.destroy(of(self).self); }
+  static void destroy(void* self) { of(self).passage.destroy(of(self).component, of(self).self); }
 };
 
 Performer::Performer(const Subject& subject, const Performance& how)
@@ -220,11 +223,12 @@ Result<host::Instance*> Performer::made(const Subject& subject) {
     void* again = nullptr;
     weft_error error = kNoError;
     const auto& values = subject.spec().arguments.values();
-    const std::int32_t status =
-        how_.passage->create(component, host::made_from(values), &again, &error);
+    const std::int32_t status = host::call_library(error, [&] {
+      return how_.passage->create(component, host::made_from(values), &again, &error);
+    });
     if (status != WEFT_OK) return host::plugin_error(status, error, instance.id);
-    component.destroy(instance.self);
-    instance.self = again;
+    std::swap(instance.self, again);
+    host::call_library(error, [&] { return component.destroy(again), WEFT_OK; });
   }
   weft_component table = component;
   table.prepare = &Passed::prepare;

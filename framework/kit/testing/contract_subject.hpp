@@ -102,6 +102,7 @@ class Passage {
                                std::span<const weft_record> inputs, weft_error* error);
   virtual std::int32_t process(const weft_component& component, void* self, const weft_call& call,
                                std::span<const weft_record> inputs, weft_error* error);
+  virtual void destroy(const weft_component& component, void* self);
 };
 
 /// How an instance is made and called.

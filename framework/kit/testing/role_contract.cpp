@@ -3,6 +3,7 @@
 #include <regex>
 #include <stdexcept>
 
+#include "host/loading/library_call.hpp"
 #include "host/records/plugin_error.hpp"
 #include "kit/testing/contract_stages.hpp"
 #include "kit/testing/geometry/check_geometry.hpp"
@@ -13,9 +14,10 @@ std::string lacks_device(const Subject& subject) {
   const std::vector<std::string>& extensions = subject.manifest().extensions;
   if (std::find(extensions.begin(), extensions.end(), WEFT_DEVICES) == extensions.end()) return "";
   const auto table = host::load(*subject.spec().installed);
-  if (!table || (*table)->get_extension == nullptr) return "";
-  const auto* list = static_cast<const weft_devices*>((*table)->get_extension(WEFT_DEVICES));
-  if (list == nullptr || list->list == nullptr) return "";
+  if (!table) return "";
+  const auto found = host::extension_of<weft_devices>(**table, WEFT_DEVICES);
+  if (!found || *found == nullptr || (*found)->list == nullptr) return "";
+  const weft_devices* list = *found;
   int devices = 0;
   const auto count = [](void* context, const char*) { ++*static_cast<int*>(context); };
   weft_error error = kNoError;

@@ -151,7 +151,8 @@ Result<Overlapped> PipelineSubject::run_overlapping(std::int64_t frames) {
   restart();
   Overlapped run;
   run.frames.resize(to_index(frames));
-  std::vector<std::optional<FrameOnItsWay>> on_their_way(to_index(pipeline_.config.frames_at_once));
+  std::vector<std::optional<FrameOnItsWay>> on_their_way(
+      to_index(frames_at_once_of(pipeline_.config)));
   std::optional<Error> error;
   double workers_ms = 0.0;
   const host::Stopwatch watch;

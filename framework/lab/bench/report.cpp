@@ -125,7 +125,7 @@ PipelineReport report_of(const Entry& entry, const PipelineSubject& subject,
 void add_overlap(const PipelineSubject& subject, const std::vector<Overlapped>& repetitions,
                  std::int64_t warmup, PipelineReport& report) {
   report.overlap = figures_of(repetitions, warmup);
-  report.overlap->frames_at_once = subject.config().frames_at_once;
+  report.overlap->frames_at_once = frames_at_once_of(subject.config());
   report.overlap->threads = workers_of(subject.config());
   report.parts.push_back(overlapped_part(repetitions, warmup));
 }

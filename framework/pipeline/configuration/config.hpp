@@ -62,7 +62,7 @@ struct PipelineConfig {
   int lost_after = 30;              ///< [frames] a predicted shape older than this is lost
   bool stop_on_error = false;       ///< else the run goes on after a failed frame
   int max_failed = 0;               ///< failed frames that still count as success
-  int frames_at_once = 1;           ///< most frames on their way through the stages
+  int frames_at_once = 0;           ///< most frames in the stages; 0: see frames_at_once_of()
   int threads = 0;                  ///< that work for a run; 0: one a processor core
   bool is_sequence = true;          ///< else frames are unordered: none has one before it
   bool latest_only = false;         ///< `realtime: latest`: frames that come meanwhile are dropped

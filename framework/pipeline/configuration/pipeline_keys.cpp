@@ -67,7 +67,8 @@ const KeyTable& pipeline_keys() {
           .otherwise("continue")
           .whole("max_failed", 0, kMostFrames, "frames with an error that still count as success")
           .otherwise(std::to_string(kDefaults.max_failed))
-          .whole("frames_at_once", 1, 64, "most frames on their way through the stages")
+          .whole("frames_at_once", 0, 64,
+                 "most frames on their way through the stages; 0: two where that is faster")
           .otherwise(std::to_string(kDefaults.frames_at_once))
           .whole("threads", 0, 256, "that work for the run; 0: as many as processor cores")
           .otherwise(std::to_string(kDefaults.threads))

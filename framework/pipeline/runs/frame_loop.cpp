@@ -24,8 +24,16 @@ int threads_of(const PipelineConfig& config) {
 
 }  // namespace
 
+int frames_at_once_of(const PipelineConfig& config) {
+  if (config.frames_at_once > 0) return config.frames_at_once;
+  const bool is_steered =
+      std::any_of(config.sinks.begin(), config.sinks.end(),
+                  [](const StageConfig& sink) { return sink.component.component().steers_runs(); });
+  return threads_of(config) > 1 && !config.latest_only && !is_steered ? 2 : 1;
+}
+
 int workers_of(const PipelineConfig& config) {
-  return std::min(config.frames_at_once, threads_of(config));
+  return std::min(frames_at_once_of(config), threads_of(config));
 }
 
 Result<std::unique_ptr<host::ExecutionContext>> context_of(const PipelineConfig& config,

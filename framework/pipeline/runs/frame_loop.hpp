@@ -11,6 +11,11 @@
 
 namespace weft {
 
+/// The maximum number of frames in the stages of a run. Without a setting there are two if two
+/// threads can work, because results are the same and a run takes less time. There is one if the
+/// newest frame counts or a user steers the run, because two compete for the processor.
+int frames_at_once_of(const PipelineConfig& config);
+
 /// How many frames of a run are worked on at the same moment.
 int workers_of(const PipelineConfig& config);
 

@@ -147,7 +147,7 @@ class Run {
     std::vector<FrameStep> steps = loop_->steps();
     // The newest frame is taken when it can go on, and grows old nowhere.
     if (pipeline_.config.latest_only) steps.front().rule.busy_for = 1;
-    const auto at_once = to_index(pipeline_.config.frames_at_once);
+    const auto at_once = to_index(frames_at_once_of(pipeline_.config));
     on_their_way_.resize(at_once);
     FrameLine line = line_of(steps, at_once);
     start_threads(at_once);

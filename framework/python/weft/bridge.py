@@ -97,8 +97,6 @@ def process(component, call, method, inputs):
     if isinstance(answer, Degenerate):
         reason, answer = answer.reason or "no reason is given", answer.value
     for slot, record in records_of(name, outputs, answer).items():
-        if slot == "shape":
-            judge(call, record)
         write(component, given.call, slot, outputs[slot], record)
     return (DEGENERATE, 0, reason, None) if reason else (OK, 0, "", None)
 
@@ -119,17 +117,6 @@ def records_of(method, outputs, answer):
         if slot not in outputs:
             raise TypeError(f"{method}() has no output '{slot}'; it may have: {', '.join(outputs)}")
     return {slot: record for slot, record in answer.items() if record is not None}
-
-
-def judge(call, shape):
-    """Sets `estimated` or `weak` by one rule for the shapes of all solvers, as in C++."""
-    said, confidence = getattr(shape, "state", 1), float(getattr(shape, "confidence", 1.0))
-    judged = call.judge(np.ascontiguousarray(shape.vertices_m, np.float64), confidence)
-    if judged is None:  # the shape has another mesh, which the host refuses
-        return
-    state, agreeing, kept, coverage = judged
-    shape.state = state if said == 1 else said
-    shape.diag.update(agreeing_matches=agreeing, kept_matches=kept, agreeing_coverage=coverage)
 
 
 def write(component, call, slot, record_type, record):

@@ -9,7 +9,7 @@ from weft.records import Record
 CATALOGUE = host.catalogue()  # type -> array -> (dtype, axes, is text, is optional)
 ROLES = host.roles()  # role -> list of (method, inputs: slot -> type, outputs: slot -> type)
 DTYPES = {1: np.uint8, 2: np.int8, 3: np.uint16, 4: np.int16, 5: np.int32, 6: np.int64, 7: np.float32,
-          8: np.float64}
+          8: np.float64, 9: np.float16, 10: np.uint32, 11: np.uint64}
 CODES = {np.dtype(kind): code for code, kind in DTYPES.items()}
 SEVERAL = {("matchers", "correspondences")}  # inputs that take several records
 OK, DEGENERATE, NO_RESULT, ERROR, CANCELLED, END = range(6)
@@ -28,7 +28,7 @@ class GivenRecord(Record):
 
     def __init__(self, record):
         super().__init__()
-        self._type, self._revision, self._producer, arrays = record
+        self._type, self._revision, self._producer, self._origin, arrays = record
         self._memories = dict(arrays)
         self._views = {}  # as they were handed out
         for name in self._memories:
@@ -146,8 +146,7 @@ def memory_for(raw_call, slot, record_type, name, dtype, shape):
     """Memory of the host for an array of an output."""
     memory = raw_call.alloc(slot, record_type, name, dtype, tuple(shape))
     if memory is None:
-        raise HostError(9, f"the host refused the array '{name}' of {record_type}: an illegal name or shape, no "
-                        "output of the role, or short of memory")
+        raise HostError(9, f"the array '{name}' of {record_type} cannot be an output")
     return memory
 
 
@@ -164,7 +163,7 @@ def ask(given, handle, method, inputs, outputs, records):
         arrays = [(array_name, dtype, np.ascontiguousarray(array) if array.ndim else array)
                   for array_name, dtype, array in arrays_of(inputs[slot], record, {})]
         passed.append((slot, inputs[slot], getattr(record, "_revision", 0) if as_read else 0,
-                       getattr(record, "_producer", 0), arrays))
+                       getattr(record, "_producer", 0), getattr(record, "_origin", b""), arrays))
     status, code, message, answer = given.call.raw.invoke(handle, method, passed)
     if status == NO_RESULT:
         raise NoResult(message)

@@ -32,6 +32,8 @@ struct Small final : weft::Filter {
     }
     mask.confidence = weft::make_scalar(0.75);
     mask.diag.set("shift_px", *shift->data());
+    const auto* mark = fitted->model.find<std::int16_t>("model.mark");
+    if (mark != nullptr) mask.others.set("x.kept.mark", *mark);
     return mask;
   }
 };

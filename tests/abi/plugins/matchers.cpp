@@ -11,6 +11,7 @@ struct Small final : weft::Matcher {
   explicit Small(weft::Params&) {}
 
   weft::Result<weft::Correspondences> match(const weft::MatcherInput& in) override {
+    if (!in.template_keypoints) return weft::no_result("no keypoints of the template");
     const std::int64_t n = std::min(in.keypoints->count(), in.template_keypoints->count());
     if (n == 0) return weft::no_result("no keypoints");
     weft::Correspondences pairs;
@@ -29,6 +30,7 @@ struct Small final : weft::Matcher {
         pairs.image_px(i, axis) = in.keypoints->xy_px(i, axis);
       }
     }
+    pairs.others.set("x.kept.mark", weft::Array<std::int16_t>({2}, -7));
     return pairs;
   }
 };

@@ -14,6 +14,8 @@ struct Small final : weft::Sink {
     vertices_ += in.shape->vertices_m.rows();
     return {};
   }
+  std::vector<weft::ChangeRequest> take_change_requests() { return {{7, "pause"}, {8, "stop"}}; }
+  void answer(const weft::ChangeAnswer& given) { vertices_ += 100 * (given.refusal == "no"); }
   weft::Result<void> finish(const weft::Call&) override {
     return weft::Error{weft::Errc::io, "written: " + std::to_string(vertices_) + " vertices", {}};
   }

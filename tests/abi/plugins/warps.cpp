@@ -22,6 +22,8 @@ struct Small final : weft::WarpModel {
                               at.image_px(last, axis) - at.template_px(last, axis));
     }
     warp.model.entries.push_back({"model.shift_px", shift_px});
+    const auto* mark = at.others.find<std::int16_t>("x.kept.mark");
+    if (mark != nullptr) warp.model.entries.push_back({"model.mark", *mark});
     if (last == 0) return weft::degenerate(warp, "one match");
     return warp;
   }

@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <string>
 #include <thread>
+#include <vector>
 #include <weft/sdk/filter.hpp>
 #include <weft/sdk/pass.hpp>
 
@@ -38,7 +39,9 @@ enum class Action {
   fork_twice,
   multiply,
   print,
-  warn
+  warn,
+  at_exit,
+  shout
 };
 enum class Place { process, create, prepare };
 
@@ -96,6 +99,19 @@ void print_much() {
   std::fflush(stdout);
 }
 
+/// Logs from eight threads at once: a text of 64 MiB each, and many short ones.
+void shout(const weft::Call& call) {
+  const std::string text(std::size_t{64} << 20, 'x');
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 8; ++i) {
+    threads.emplace_back([&] {
+      call.log_warning(text);
+      for (int j = 0; j < 2000; ++j) call.log_warning("short");
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+}
+
 /// Keeps every match until it performs its action.
 class Deadly final : public weft::Filter {
  public:
@@ -122,7 +138,9 @@ class Deadly final : public weft::Filter {
               {"fork_twice", Action::fork_twice},
               {"multiply", Action::multiply},
               {"print", Action::print},
-              {"warn", Action::warn}},
+              {"warn", Action::warn},
+              {"at_exit", Action::at_exit},
+              {"shout", Action::shout}},
              "what it does");
     p.choice("where", where_,
              {{"process", Place::process}, {"create", Place::create}, {"prepare", Place::prepare}},
@@ -153,6 +171,7 @@ class Deadly final : public weft::Filter {
     for (int i = 0; action_ == Action::warn && i < 20'000; ++i) {
       in.call.log_warning("warning number " + std::to_string(i));
     }
+    if (action_ == Action::shout) shout(in.call);
     if (action_ == Action::log) in.call.log_warning("so far so good");
     if (action_ == Action::large) mask.diag.set("large", weft::Array<double>({5'000'000}, 0.0));
     while (action_ == Action::obey) {
@@ -189,6 +208,12 @@ class Deadly final : public weft::Filter {
     if (action_ == Action::quit) {
       static const InUse by_other_threads;
       std::exit(0);
+    }
+    if (action_ == Action::at_exit) {
+      std::atexit([] {
+        std::puts("printed at the end");
+        std::abort();
+      });
     }
     while (action_ == Action::hang) std::this_thread::sleep_for(std::chrono::hours(1));
   }

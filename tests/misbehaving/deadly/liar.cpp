@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A worker program whose answers to calls are damaged, each in another way.
+// A worker program whose answers to calls are damaged, each in another way. In frame 1000 it sends
+// log messages that a component could not.
 #include <cstdlib>
 #include <weft/core/rng.hpp>
 
@@ -41,6 +42,14 @@ std::string damaged(std::string bytes, weft::Rng& rng) {
   return bytes;
 }
 
+void flood(Channel& channel, std::uint64_t call) {
+  const std::string text = "\x1b[2J" + std::string(1 << 20, 'x');
+  for (int i = 0; i < 1500; ++i) {
+    const std::string bytes = pack(LogMessage{"filters\n", i < 4 ? text : "short", 77, 1000});
+    channel.send(MessageKind::log, bytes, call);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -55,6 +64,7 @@ int main(int argc, char** argv) {
         call && message.kind == MessageKind::process) {
       weft::Rng rng(call->frame);
       bytes = damaged(pack(honest()), rng);
+      if (call->frame == 1000) flood(channel, message.call);
     }
     if (!channel.send(MessageKind::reply, bytes, message.call)) return 1;
   }

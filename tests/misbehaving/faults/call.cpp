@@ -30,13 +30,20 @@ void remember(PassedCall& passed, Output output) {
   passed.outputs.push_back(std::move(output));
 }
 
-void* alloc(const weft_call* call, const char* slot, const char* type, const char* array,
-            std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) {
+void* alloc(const weft_call* call, const weft_output* asked) {
   PassedCall& passed = const_cast<PassedCall&>(passed_of(call));
-  Output output{slot, type, array, dtype, {shape, shape + ndim}, nullptr, {}};
-  if (has("wrong_length") && ndim == 1 && goes_with_others(array)) ++output.shape[0];
+  Output output{asked->slot,
+                asked->type,
+                asked->array,
+                asked->dtype,
+                {asked->shape, asked->shape + asked->ndim},
+                nullptr,
+                {}};
+  if (has("wrong_length") && asked->ndim == 1 && goes_with_others(asked->array)) ++output.shape[0];
   const weft_host& host = *passed.original.host;
-  void* data = host.alloc(&passed.original, slot, type, array, dtype, ndim, output.shape.data());
+  weft_output entry = *asked;
+  entry.shape = output.shape.data();
+  void* data = host.alloc(&passed.original, &entry);
   if (has("writes_to_null")) *static_cast<volatile unsigned char*>(data) = 0;
   if (data == nullptr && has("ok_without_memory")) {
     passed.replacements.emplace_back(output.bytes() + 64);
@@ -62,12 +69,9 @@ std::int32_t invoke(const weft_call* call, weft_invocation* invocation, weft_err
   return passed.original.host->invoke(&passed.original, invocation, error);
 }
 
-std::int32_t adopt(const weft_call* call, const char* slot, const char* type, const char* array,
-                   std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape,
-                   std::uint64_t handle) {
+std::int32_t adopt(const weft_call* call, const weft_output* output) {
   const PassedCall& passed = passed_of(call);
-  return passed.original.host->adopt(&passed.original, slot, type, array, dtype, ndim, shape,
-                                     handle);
+  return passed.original.host->adopt(&passed.original, output);
 }
 
 }  // namespace
@@ -77,6 +81,10 @@ PassedCall::PassedCall(const weft_call& given) : call{}, original(given), host{}
   call.struct_size =
       static_cast<std::uint32_t>(std::min<std::size_t>(given.struct_size, sizeof(call)));
   const weft_host& theirs = *given.host;
+  host.abi_major = theirs.abi_major;
+  host.abi_minor = theirs.abi_minor;
+  host.name = theirs.name;
+  host.version = theirs.version;
   host.struct_size =
       static_cast<std::uint32_t>(std::min<std::size_t>(theirs.struct_size, sizeof(host)));
   host.alloc = alloc;

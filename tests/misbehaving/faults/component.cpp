@@ -57,7 +57,7 @@ std::int32_t call_and_spoil(void* self, const weft_call& call, Inputs& inputs, w
   }
   if (swayed != 0.0) sway(passed.outputs, swayed);
   distort_geometry(passed.outputs, inputs);
-  disturb_process();
+  disturb_process("process");
   return spoil_outputs(passed, status, error);
 }
 
@@ -81,6 +81,7 @@ std::int32_t prepare(void* self, const weft_call* call, const weft_record* input
   Instance& instance = instance_of(self);
   if (has("crashes_prepared_twice") && instance.is_prepared) std::abort();
   instance.is_prepared = true;
+  disturb_process("prepare");
   return original().prepare(self, call, inputs, count, error);
 }
 
@@ -107,6 +108,7 @@ void destroy(void* self) {
   const Instance& instance = instance_of(self);
   if (has("destroy_crashes")) write_where_nothing_is();
   if (has("destroy_exits")) std::exit(0);
+  disturb_process("destroy");
   if (has("crashes_unprepared") && !instance.is_prepared) std::abort();
   if (has("reads_input_afterwards") && instance.kept_input != nullptr) {
     [[maybe_unused]] const unsigned char seen = *instance.kept_input;

@@ -56,7 +56,10 @@ void declare_number(const weft_describe& sink, weft_parameter parameter) {
   }
   if (has("nan_default")) value = std::nan("");
   if (has("nan_default") || has("outside_default")) fallback.data = &value;
-  if (has("nan_range")) parameter.minimum = std::nan("");
+  if (has("nan_range")) {
+    parameter.minimum = std::nan("");
+    parameter.integer_minimum = parameter.integer_maximum + 1;
+  }
   if (has("null_name")) fallback.name = nullptr;
   if (has("null_help")) parameter.help = nullptr;
   if (has("null_unit")) parameter.unit = nullptr;
@@ -134,7 +137,7 @@ std::int32_t describe(const weft_describe* sink, weft_error* error) {
   return original().describe(&mine, error);
 }
 
-const void* get_extension(const char* name) {
+const void* get_extension(const weft_component* /*component*/, const char* name) {
   static constexpr std::string_view kKnown[] = {WEFT_DEVICE_MEMORY, WEFT_DEVICES,  WEFT_CHECK,
                                                 WEFT_SWEEP,         WEFT_STEERING, WEFT_ISOLATION};
   alignas(8) static constexpr std::array<std::uint32_t, 16> kTable{64}, kEmpty{};
@@ -147,7 +150,8 @@ const void* get_extension(const char* name) {
                         (has("empty_devices") && asked == WEFT_DEVICES);
   if (is_empty) return kEmpty.data();
   if (has("devices_crash") && asked == WEFT_DEVICES) return &kDevices;
-  const void* own = original().get_extension != nullptr ? original().get_extension(name) : nullptr;
+  const void* own =
+      original().get_extension != nullptr ? original().get_extension(&original(), name) : nullptr;
   if (has("extension_moves") && own != nullptr) return copied(own);
   const bool is_known = std::find(std::begin(kKnown), std::end(kKnown), asked) != std::end(kKnown);
   return has("answers_unknown_extension") && own == nullptr && !is_known ? kTable.data() : own;

@@ -14,8 +14,11 @@
 
 namespace weft::faults {
 
-/// True if WEFT_FAULT names this fault.
+/// True if WEFT_FAULT names this fault, as "fault" or "fault@place".
 bool has(std::string_view fault);
+
+/// True if WEFT_FAULT names this place, or none and the place is "process".
+bool is_place(std::string_view place);
 
 /// The component that is called unless a fault is made: the only one of the library that
 /// WEFT_FAULT_PLUGIN names, else plain_filter().
@@ -79,7 +82,7 @@ std::int32_t refuse(weft_error& error, const char* message);
 // Faults by the function in which they are made.
 void act_when_loaded();
 std::int32_t describe(const weft_describe* sink, weft_error* error);
-const void* get_extension(const char* name);
+const void* get_extension(const weft_component* component, const char* name);
 std::int32_t create(const weft_create* with, void** self, weft_error* error);
 std::int32_t prepare(void* self, const weft_call* call, const weft_record* inputs,
                      std::uint64_t count, weft_error* error);
@@ -104,6 +107,7 @@ double strength_of_sway(const PassedCall& passed, const Inputs& inputs, Instance
 void sway(std::vector<Output>& outputs, double strength = kSway);
 std::int32_t spoil_outputs(PassedCall& passed, std::int32_t status, weft_error& error);
 void distort_geometry(std::vector<Output>& outputs, const Inputs& inputs);
-void disturb_process();
+/// In the function `place` of the component, or when it is loaded ("load").
+void disturb_process(std::string_view place);
 
 }  // namespace weft::faults

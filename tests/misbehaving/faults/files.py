@@ -74,6 +74,11 @@ def as_dangling_link(sandbox: Sandbox) -> None:
     sandbox.library.symlink_to("nowhere.so")
 
 
+def as_loop_of_links(sandbox: Sandbox) -> None:
+    sandbox.library.unlink()
+    sandbox.library.symlink_to(LIBRARY)
+
+
 def as_pipe(sandbox: Sandbox) -> None:
     sandbox.manifest.unlink()
     os.mkfifo(sandbox.manifest)
@@ -137,6 +142,7 @@ OF_FILES = [
             "it has no build-id", "link it with -Wl,--build-id=sha1"),
     refused("library_is_folder", as_folder(LIBRARY), "is no regular file", AGAIN),
     refused("dangling_link", as_dangling_link, "the library is missing", AGAIN),
+    refused("loop_of_links", as_loop_of_links, "Too many levels of symbolic links", AGAIN),
     refused("manifest_of_another", of_another, "belongs to another build of it", DESCRIBE),
     refused("without_manifest", without_manifest, "it has no manifest beside it", DESCRIBE),
     refused("manifest_is_folder", as_folder(MANIFEST), "its manifest cannot be read", DESCRIBE),

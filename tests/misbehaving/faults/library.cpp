@@ -30,18 +30,10 @@ std::string setting(const char* name) {
 /// The table of the library to change. If it cannot be loaded, prints the reason and returns null.
 const weft_library_table* load_original() {
   static const weft_component* const kPlain = &plain_filter();
-  static const weft_library_table kOwn{WEFT_ABI_MAGIC,
-                                       WEFT_ABI_MAJOR,
-                                       WEFT_ABI_MINOR,
-                                       sizeof(weft_library_table),
-                                       1,
-                                       &kPlain,
-                                       WEFT_ISA,
-                                       WEFT_COMPILER,
-                                       WEFT_NEEDS_MINOR,
-                                       0,
-                                       0,
-                                       {0, 0, 0, 0}};
+  static const weft_library_table kOwn{
+      WEFT_ABI_MAGIC, WEFT_ABI_MAJOR, WEFT_ABI_MINOR, sizeof(weft_library_table), 1, WEFT_ABI_NAME,
+      &kPlain,        WEFT_ISA,       WEFT_COMPILER,  WEFT_NEEDS_MINOR,           0, 0,
+      {0, 0, 0, 0}};
   const std::string library = setting("WEFT_FAULT_PLUGIN");
   if (library.empty()) return &kOwn;
   void* handle = dlopen(library.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
@@ -156,7 +148,13 @@ Instances& instances() {
 
 bool has(std::string_view fault) {
   static const std::string chosen = setting("WEFT_FAULT");
-  return fault == chosen;
+  return fault == std::string_view(chosen).substr(0, chosen.find('@'));
+}
+
+bool is_place(std::string_view place) {
+  static const std::string chosen = setting("WEFT_FAULT");
+  const std::size_t at = chosen.find('@');
+  return place == (at == std::string::npos ? "process" : std::string_view(chosen).substr(at + 1));
 }
 
 const weft_component& original() { return *original_table()->components[0]; }
@@ -187,6 +185,7 @@ void act_when_loaded() {
   if (has("load_flushes")) _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
   if (has("load_slow")) std::this_thread::sleep_for(std::chrono::milliseconds(400));
   if (has("load_thread")) std::thread(sleep_for_ever).detach();
+  disturb_process("load");
 }
 
 Instance& instance_of(void* self) {

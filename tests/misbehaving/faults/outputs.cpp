@@ -86,8 +86,8 @@ void claim_confidence(PassedCall& passed) {
   if (passed.outputs.empty()) return;
   const Output& other = passed.outputs.front();
   const std::int64_t none = 0;
-  void* data = passed.original.host->alloc(&passed.original, other.slot.c_str(), other.type.c_str(),
-                                           "confidence", WEFT_F64, 0, &none);
+  void* data = weft_alloc(&passed.original, other.slot.c_str(), other.type.c_str(), "confidence",
+                          WEFT_F64, 0, &none);
   const double value = 1.5;
   if (data != nullptr) std::memcpy(data, &value, sizeof(value));
 }

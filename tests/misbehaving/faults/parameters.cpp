@@ -147,6 +147,7 @@ std::int32_t create(const weft_create* with, void** self, weft_error* error) {
     if (at_work++ > 0) std::abort();
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
+  disturb_process("create");
   const std::int32_t status = create_original(*with, self, *error);
   if (has("creates_one_at_a_time")) --at_work;
   if (has("create_status")) return 77;

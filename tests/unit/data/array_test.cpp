@@ -91,8 +91,10 @@ TEST(Dtype, NamesAndSizesBelongTogether) {
   EXPECT_STREQ(dtype_name(dtype_of<double>()), "f64");
   EXPECT_EQ(dtype_size(dtype_of<std::int16_t>()), 2);
   EXPECT_EQ(dtype_size(dtype_of<float>()), 4);
+  EXPECT_EQ(dtype_size(dtype_of<Float16>()), 2);
+  EXPECT_STREQ(dtype_name(dtype_of<std::uint64_t>()), "u64");
   EXPECT_EQ(dtype_size(0), 0);
-  EXPECT_EQ(dtype_size(9), 0);
+  EXPECT_EQ(dtype_size(12), 0);
   EXPECT_EQ(dtype_size(-1), 0);
   EXPECT_STREQ(dtype_name(99), "unknown");
 }

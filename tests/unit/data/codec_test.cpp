@@ -10,6 +10,7 @@
 #include <weft/core/index.hpp>
 #include <weft/data/codec.hpp>
 #include <weft/data/matrix.hpp>
+#include <weft/data/owned.hpp>
 
 #include "unit/data/random_record.hpp"
 
@@ -88,6 +89,73 @@ TEST(Codec, EveryRecordTypeSurvivesBeingWrittenAndReadBack) {
       EXPECT_EQ(content_of(*read), content_of(typed)) << RecordType::kType;
     }
   });
+}
+
+/// An array of three numbers that a later version made: its reserved words have a meaning.
+weft_array later_array(const char* name, std::int32_t dtype, void* data) {
+  static int owner = 0;
+  weft_array array{};
+  array.name = name;
+  array.dtype = dtype;
+  array.ndim = 1;
+  array.shape[0] = 3;
+  array.stride[0] = 8;
+  array.data = data;
+  array.owner = &owner;
+  array.reserved_word = 5;
+  array.reserved[0] = 6;
+  array.reserved[1] = 7;
+  return array;
+}
+
+void expect_passed_on(const weft_record& passed, const weft_array& given) {
+  const weft_array* array = find_array(passed, given.name);
+  ASSERT_NE(array, nullptr) << given.name;
+  EXPECT_EQ(array->dtype, given.dtype);
+  EXPECT_EQ(array->data, given.data);
+  EXPECT_EQ(array->owner, given.owner);
+  EXPECT_EQ(array->reserved_word, 5);
+  EXPECT_EQ(array->reserved[0], 6U);
+  EXPECT_EQ(array->reserved[1], 7U);
+}
+
+TEST(Codec, ReservedWordsOwnersAndUnknownElementsArePassedOnWithARecord) {
+  std::array<double, 3> numbers{0.1, 0.2, 0.3};
+  constexpr std::int32_t kOfALaterVersion = 77;
+  const std::vector<weft_array> arrays{later_array("weight", WEFT_F64, numbers.data()),
+                                       later_array("x.acme.words", WEFT_U64, numbers.data()),
+                                       later_array("novel", kOfALaterVersion, numbers.data())};
+  weft_record record = record_of(Weights::kType, arrays);
+  record.frame = 4;
+  record.reserved[0] = 8;
+  record.reserved[2] = 9;
+  const auto read = read_record<Weights>(record);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_NE(read->others.find<std::uint64_t>("x.acme.words"), nullptr);
+  const RecordView<Weights> passed("weights", *read);
+  EXPECT_EQ(passed.raw().count, 3U);
+  EXPECT_EQ(passed.raw().frame, 4);
+  EXPECT_EQ(passed.raw().reserved[0], 8U);
+  EXPECT_EQ(passed.raw().reserved[2], 9U);
+  for (const weft_array& given : arrays) expect_passed_on(passed.raw(), given);
+  const Weights owned = owned_record(*read);
+  const RecordView<Weights> copy("weights", owned);
+  EXPECT_EQ(copy.raw().count, 2U) << "an array of unknown size cannot be copied";
+}
+
+TEST(Codec, NumbersOfSixteenBitsConvertToTheirValues) {
+  const std::pair<std::uint16_t, double> pairs[] = {
+      {0x0000, 0.0},
+      {0x3C00, 1.0},
+      {0xC000, -2.0},
+      {0x3555, 0.333251953125},
+      {0x0001, 5.9604644775390625e-8},
+      {0x7BFF, 65504.0},
+      {0xFC00, -std::numeric_limits<double>::infinity()}};
+  for (const auto& [bits, value] : pairs) {
+    EXPECT_EQ(static_cast<double>(Float16{bits}), value) << bits;
+  }
+  EXPECT_TRUE(std::isnan(static_cast<double>(Float16{0x7E00})));
 }
 
 TEST(Codec, RowsMayBePaddedOrReversedOnInput) {

@@ -98,6 +98,7 @@ Result<std::string> description_of(const weft_component& component) {
                                  WEFT_ABI_MINOR,
                                  sizeof(weft_library_table),
                                  1,
+                                 WEFT_ABI_NAME,
                                  &pointer,
                                  "",
                                  "none",

@@ -78,6 +78,8 @@ TEST_F(DeviceArrays, AreReplacedByAnArrayOfTheSameName) {
   ASSERT_TRUE(adopt());
   const std::int64_t shape[] = {2, 3};
   ASSERT_NE(record_->allocate("descriptors", WEFT_F32, 2, shape), nullptr);
+  EXPECT_EQ(kept().references, 1) << "its maker may use it until its call returns";
+  record_->forget_replaced();
   EXPECT_EQ(kept().references, 0);
   EXPECT_FALSE(view_as<Keypoints>(*record_)->descriptors.is_on_device());
 }
@@ -87,6 +89,33 @@ TEST_F(DeviceArrays, WithoutAHandleOrALegalShapeAreRefused) {
   const std::int64_t shape[] = {2, -3};
   EXPECT_FALSE(record_->adopt("descriptors", WEFT_F32, 2, shape, kLibrary, 7, "detectors/a"));
   EXPECT_EQ(kept().references, 0);
+}
+
+/// A library whose functions throw.
+constexpr weft_device_memory kThrowing{
+    sizeof(weft_device_memory), 0,
+    [](std::uint64_t handle) {
+      if (handle == 8) throw std::runtime_error("no more references");
+    },
+    [](std::uint64_t) { throw std::runtime_error("released twice"); },
+    [](const weft_call*, std::uint64_t, void*, std::uint64_t, weft_error*) -> std::int32_t {
+      throw std::runtime_error("the cable broke");
+    }};
+
+TEST_F(DeviceArrays, OfALibraryThatThrowsAreErrorsOfTheirMakerAndEndNoProcess) {
+  const std::int64_t shape[] = {2, 3};
+  EXPECT_ANY_THROW(
+      record_->adopt("descriptors", WEFT_F32, 2, shape, kThrowing, 8, "detectors/thrower"));
+  ASSERT_TRUE(record_->adopt("descriptors", WEFT_F32, 2, shape, kThrowing, 9, "detectors/thrower"));
+  const auto copy = record_->in_host_memory();
+  ASSERT_FALSE(copy);
+  EXPECT_EQ(copy.error().where, "detectors/thrower");
+  EXPECT_THAT(copy.error().message, ::testing::HasSubstr("the cable broke"));
+  ::testing::internal::CaptureStderr();
+  record_.reset();
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
+              ::testing::HasSubstr("detectors/thrower: release() of a device array threw: "
+                                   "released twice"));
 }
 
 TEST_F(DeviceArrays, HaveAShapeAndNoElementsForWhoReadsTheRecord) {
@@ -194,7 +223,7 @@ TEST_F(DeviceArrays, ThatAreInNoCatalogueAreIllegal) {
     ASSERT_TRUE(record.adopt(name, WEFT_F32, 1, shape, kLibrary, 7, "detectors/a"));
     const auto valid = validate(record.view(""));
     ASSERT_FALSE(valid) << name;
-    EXPECT_THAT(valid.error().message, HasSubstr("not in the catalogue lies in device memory"));
+    EXPECT_THAT(valid.error().message, HasSubstr("is not in the catalogue, but lies in device memory"));
   }
 }
 

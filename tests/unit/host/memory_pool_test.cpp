@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cmath>
 #include <cstdint>
@@ -198,6 +199,34 @@ TEST_F(PooledRecord, IsMarkedAgainAsUnwrittenWhereThatIsDone) {
     std::fill_n(score, count, 1.0);
     EXPECT_TRUE(is_finite(record->view("").arrays[1]));
   }
+}
+
+/// Minor page faults of this process so far.
+long page_faults() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_minflt;
+}
+
+/// The page faults of a large block that is made, written and freed again and again.
+long faults_of_blocks() {
+  constexpr std::size_t kBlock_bytes = 8 << 20;
+  constexpr int kTimes = 20;
+  const long before = page_faults();
+  for (int i = 0; i < kTimes; ++i) {
+    const std::vector<char> block(kBlock_bytes, static_cast<char>(i));
+    EXPECT_EQ(block.back(), static_cast<char>(i));
+  }
+  return page_faults() - before;
+}
+
+TEST(FreedMemory, IsUsedAgainWithoutAPageFault) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer has its own allocator";
+#endif
+  keep_freed_memory();
+  constexpr long kPagesOfTwoBlocks = 2 * ((8 << 20) >> 12);
+  EXPECT_LT(faults_of_blocks(), kPagesOfTwoBlocks);
 }
 
 }  // namespace

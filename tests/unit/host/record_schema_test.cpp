@@ -93,7 +93,8 @@ TEST(VendorRecords, AreCalledVendorNameAndVersion) {
 TEST(VendorRecords, WordsOfElementTypesAreReadAsTheyAreWritten) {
   EXPECT_EQ(dtype_called("u8"), WEFT_U8);
   EXPECT_EQ(dtype_called("f64"), WEFT_F64);
-  EXPECT_EQ(dtype_called("f16"), 0);
+  EXPECT_EQ(dtype_called("f16"), WEFT_F16);
+  EXPECT_EQ(dtype_called("f128"), 0);
 }
 
 }  // namespace

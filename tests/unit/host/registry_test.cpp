@@ -112,14 +112,32 @@ TEST(Registry, ARefusedLibraryDoesNotHideTheSameIdInALaterFolder) {
   EXPECT_EQ(folder_of(registry, "filters/test_good"), second.path().string());
 }
 
+TEST(Registry, ALoopOfLinksIsRefusedAndTheOthersAreUsable) {
+  const TemporaryFolder folder;
+  folder.adopt("filters_test_good");
+  folder.adopt("filters_test_throws");
+  const std::string loop = folder / "loop.so", library = folder / "filters_test_throws.so";
+  fs::create_symlink(loop, loop);
+  fs::remove(library);
+  fs::create_symlink(library, library);
+  const Registry registry = Registry::scan({{folder.path(), "a"}});
+  EXPECT_NE(registry.find("filters/test_good"), nullptr);
+  EXPECT_EQ(registry.refusals().size(), 2U);
+  for (const char* name : {"loop.so", "filters_test_throws.so"}) {
+    EXPECT_THAT(misbehaving::refusal_of(registry, name).cause,
+                HasSubstr("cannot be read: Too many levels of symbolic links"));
+  }
+}
+
 TEST(Registry, ExplainsWhatIsMissing) {
   const Registry registry = misbehaving::scan();
   EXPECT_EQ(registry.find("filters/test_god"), nullptr);
   EXPECT_THAT(registry.explain_missing("filters/test_god"),
               HasSubstr("did you mean 'filters/test_good'?"));
-  EXPECT_THAT(registry.explain_missing("completely/different"),
-              AllOf(HasSubstr("an id begins with one of these roles: filters, passes, warps"),
-                    HasSubstr("--plugin-path")));
+  EXPECT_THAT(
+      registry.explain_missing("completely/different"),
+      AllOf(HasSubstr("an id begins with one of these roles: filters, passes, sinks, warps"),
+            HasSubstr("--plugin-path")));
 }
 
 TEST(Manifest, SaysWhatTheSourceDeclares) {

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <iostream>
 #include <map>
+#include <mutex>
 #include <thread>
 #include <weft/core/index.hpp>
 
@@ -92,10 +93,12 @@ class WorkerTest : public ::testing::Test {
       Registry::scan({{misbehaving::kFolder, "test"}, {WEFT_DEADLY_FOLDER, "test"}});
   std::deque<misbehaving::Resolved> specs_;
   std::shared_ptr<Record> templ_, camera_;
+  std::mutex logging_;
   std::vector<std::string> logged_;
   std::unique_ptr<ExecutionContext> context_ = std::make_unique<ExecutionContext>(
       7,
       [this](const std::string& component, int level, const std::string& text, std::uint64_t) {
+        const std::lock_guard lock(logging_);
         logged_.push_back(component + " " + std::to_string(level) + " " + text);
       },
       *SharedArena::create());
@@ -302,9 +305,7 @@ TEST_F(WorkerTest, AFloodOfOutputIsNotKeptAndItsAuthorIsNamed) {
 
 TEST_F(WorkerTest, ArraysThatAreTooLargeOrTooManyAreRefusedByName) {
   const std::vector<std::pair<std::string, std::string>> cases{
-      {"huge_array",
-       "its array 'x.test.huge' of inlier_mask/1 (3221225472 bytes): the arrays of a "
-       "record may have "},
+      {"huge_array", "its array 'x.test.huge' of inlier_mask/1: the arrays of a record may have "},
       {"many_arrays", "its array 'x.test.a1000' of inlier_mask/1: a record may have 1000 arrays"}};
   for (const auto& [mistake, refusal] : cases) {
     for (const bool is_isolated : {false, true}) {
@@ -489,6 +490,29 @@ TEST_F(WorkerTest, AWorkerThatDoesNotStopWhenCancelledIsEnded) {
 TEST_F(WorkerTest, MessagesReachTheLog) {
   filter(isolated("filters/test_deadly", "{deed: log}"));
   EXPECT_THAT(logged_, ElementsAre("filters 2 so far so good"));
+}
+
+TEST_F(WorkerTest, LongTextsOfManyThreadsAreCutAndLimitedWhereverTheComponentLives) {
+  for (const bool is_isolated : {false, true}) {
+    logged_.clear();
+    const char* params = "{deed: shout}";
+    Instance& loud =
+        is_isolated ? isolated("filters/test_deadly", params) : here("filters/test_deadly", params);
+    EXPECT_EQ(filter(loud).status, WEFT_OK);
+    EXPECT_EQ(logged_.size(), 101U);
+    for (const std::string& line : logged_) EXPECT_LT(line.size(), 5000U);
+    EXPECT_EQ(logged_.back(), "filters 2 further messages are dropped");
+  }
+}
+
+TEST_F(WorkerTest, WhatAWorkerLogsIsEscapedCutAndLimited) {
+  Instance& liar = prepared(context_->instantiate_isolated(
+      spec("filters/test_good"), "filters", {WEFT_LIAR, std::chrono::milliseconds(60'000)}));
+  filter(liar, 1000);
+  ASSERT_EQ(logged_.size(), 1001U);
+  EXPECT_EQ(logged_[0], "filters\\n 2 \\x1B[2J" + std::string(4996, 'x') + "...");
+  EXPECT_EQ(logged_[999], "filters\\n 2 short");
+  EXPECT_EQ(logged_[1000], "filters\\n 2 500 further messages were dropped");
 }
 
 TEST_F(WorkerTest, FlaggedAndAbsentResultsKeepTheirReasons) {

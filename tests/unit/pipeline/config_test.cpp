@@ -42,7 +42,7 @@ TEST_F(Config, HasTheDocumentedDefaults) {
   EXPECT_EQ(config.lost_after, 30);
   EXPECT_FALSE(config.stop_on_error);
   EXPECT_EQ(config.max_failed, 0);
-  EXPECT_EQ(config.frames_at_once, 1);
+  EXPECT_EQ(config.frames_at_once, 0);
   EXPECT_EQ(config.threads, 0);
   EXPECT_FALSE(config.latest_only);
   EXPECT_THAT(config.stages, IsEmpty());
@@ -129,7 +129,7 @@ TEST_F(Config, RefusesOptionsOutOfRange) {
       {"lost_after: '3'", "'lost_after' must be a whole number"},
       {"max_failed: many", "'max_failed' must be a whole number"},
       {"max_failed:", "'max_failed' must be a whole number"},
-      {"frames_at_once: 0", "'frames_at_once' must be a whole number from 1 to 64"},
+      {"frames_at_once: 65", "'frames_at_once' must be a whole number from 0 to 64"},
       {"threads: -1", "'threads' must be a whole number from 0 to 256"},
       {"on_error: skip", "'on_error' must be one of: continue, stop"},
       {"on_error: [stop]", "'on_error' must be one of: continue, stop"},

@@ -19,28 +19,27 @@ using ::testing::HasSubstr;
 /// A host that records requests and may refuse them.
 struct FakeHost {
   FakeHost() {
-    table = {sizeof(table), 0, &alloc, &is_cancelled, &keep_log, nullptr, &adopt, nullptr};
+    table = {sizeof(table), WEFT_ABI_MAJOR, WEFT_ABI_MINOR, "",     "",     &alloc,
+             &is_cancelled, &keep_log,      nullptr,        &adopt, nullptr};
     call = {sizeof(call), 0, &table, this, 42, 9, 3, 0};
   }
   FakeHost(const FakeHost&) = delete;
 
   static FakeHost& of(const weft_call* raw) { return *static_cast<FakeHost*>(raw->context); }
-  static void* alloc(const weft_call* raw, const char* slot, const char* type, const char* array,
-                     std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) {
+  static void* alloc(const weft_call* raw, const weft_output* output) {
     FakeHost& self = of(raw);
     if (self.refuses) return nullptr;
-    std::int64_t bytes = dtype_size(dtype);
-    for (int axis = 0; axis < ndim; ++axis) bytes *= shape[axis];
-    self.asked.push_back(std::string(slot) + " " + type + " " + array);
+    std::int64_t bytes = dtype_size(output->dtype);
+    for (int axis = 0; axis < output->ndim; ++axis) bytes *= output->shape[axis];
+    self.asked.push_back(std::string(output->slot) + " " + output->type + " " + output->array);
     const auto words = to_index(bytes) / 8 + 1;
     return self.memory.emplace_back(std::make_unique<std::vector<double>>(words))->data();
   }
-  static std::int32_t adopt(const weft_call* raw, const char* slot, const char* type,
-                            const char* array, std::int32_t, std::int32_t, const std::int64_t*,
-                            std::uint64_t handle) {
+  static std::int32_t adopt(const weft_call* raw, const weft_output* output) {
     FakeHost& self = of(raw);
-    self.asked.push_back(std::string(slot) + " " + type + " " + array + " there");
-    self.handles.push_back(handle);
+    self.asked.push_back(std::string(output->slot) + " " + output->type + " " + output->array +
+                         " there");
+    self.handles.push_back(output->handle);
     return self.refuses ? 0 : 1;
   }
   static std::int32_t is_cancelled(const weft_call* raw) { return of(raw).stop ? 1 : 0; }
@@ -298,7 +297,7 @@ TEST(Component, SaysWhatItsClassSays) {
   EXPECT_STREQ(kSimple.licence, "MIT");
   EXPECT_STREQ(kSimple.determinism, "exact");
   EXPECT_STREQ(kSimple.needs, "camera");
-  EXPECT_EQ(kSimple.get_extension("weft.unknown/1"), nullptr);
+  EXPECT_EQ(kSimple.get_extension(&kSimple, "weft.unknown/1"), nullptr);
 }
 
 /// A component with a device.
@@ -326,8 +325,8 @@ struct WithSweep final : Filter {
 TEST(Component, TellsTheSweepOfItsClass) {
   constexpr weft_component kSwept =
       WEFT_COMPONENT(WithSweep, "filters/swept", "1.0.0", "Has a threshold.");
-  EXPECT_EQ(kSimple.get_extension(WEFT_SWEEP), nullptr);
-  const auto* sweep = static_cast<const weft_sweep*>(kSwept.get_extension(WEFT_SWEEP));
+  EXPECT_EQ(kSimple.get_extension(&kSimple, WEFT_SWEEP), nullptr);
+  const auto* sweep = static_cast<const weft_sweep*>(kSwept.get_extension(&kSwept, WEFT_SWEEP));
   ASSERT_NE(sweep, nullptr);
   EXPECT_STREQ(sweep->parameter, "alpha");
   EXPECT_THAT(std::vector<double>(sweep->values, sweep->values + sweep->count),
@@ -337,10 +336,11 @@ TEST(Component, TellsTheSweepOfItsClass) {
 TEST(Component, HasTheExtensionsThatItsClassHas) {
   constexpr weft_component kWithDevices =
       WEFT_COMPONENT(WithDevices, "filters/remote", "1.0.0", "Has devices.");
-  EXPECT_EQ(kSimple.get_extension(WEFT_DEVICE_MEMORY), nullptr);
-  EXPECT_EQ(kSimple.get_extension(WEFT_DEVICES), nullptr);
-  EXPECT_EQ(kWithDevices.get_extension(WEFT_DEVICE_MEMORY), &kDeviceMemory<Remote>);
-  const auto* listing = static_cast<const weft_devices*>(kWithDevices.get_extension(WEFT_DEVICES));
+  EXPECT_EQ(kSimple.get_extension(&kSimple, WEFT_DEVICE_MEMORY), nullptr);
+  EXPECT_EQ(kSimple.get_extension(&kSimple, WEFT_DEVICES), nullptr);
+  EXPECT_EQ(kWithDevices.get_extension(&kWithDevices, WEFT_DEVICE_MEMORY), &kDeviceMemory<Remote>);
+  const auto* listing =
+      static_cast<const weft_devices*>(kWithDevices.get_extension(&kWithDevices, WEFT_DEVICES));
   ASSERT_NE(listing, nullptr);
   std::vector<std::string> names;
   const auto add = [](void* context, const char* name) {
@@ -360,7 +360,7 @@ TEST(Component, RefusesIllegalParametersAndDestroysWhatItMade) {
   weft_value value{"value", WEFT_VALUE_F64, 0, 1, &illegal, {}};
   weft_error error = kNoError;
   void* self = nullptr;
-  const weft_create with{sizeof(weft_create), 0, nullptr, &value, 1};
+  const weft_create with{sizeof(weft_create), 0, nullptr, &value, 1, nullptr};
   EXPECT_EQ(kSimple.create(&with, &self, &error), WEFT_ERROR);
   EXPECT_EQ(self, nullptr);
   EXPECT_THAT(error.message, HasSubstr("'value' is outside its range"));
@@ -376,7 +376,7 @@ TEST(Component, PreparesWithTemplateAndCamera) {
   FakeHost host;
   weft_error error = kNoError;
   void* self = nullptr;
-  const weft_create with{sizeof(weft_create), 0, nullptr, nullptr, 0};
+  const weft_create with{sizeof(weft_create), 0, nullptr, nullptr, 0, nullptr};
   ASSERT_EQ(kSimple.create(&with, &self, &error), WEFT_OK);
   Template templ;
   templ.vertices_m = Array<double>({3, 3}, 0.0);

@@ -20,7 +20,8 @@ namespace weft::welding_test {
 /// A host that keeps the output arrays of a call, and the templates that go to nested components.
 struct OutputHost {
   OutputHost() {
-    table = {sizeof(table), 0, &alloc, &is_cancelled, nullptr, &invoke, nullptr, nullptr};
+    table = {sizeof(table), WEFT_ABI_MAJOR, WEFT_ABI_MINOR, "",      "",     &alloc,
+             &is_cancelled, nullptr,        &invoke,        nullptr, nullptr};
     call = {sizeof(call), 0, &table, this, 42, 9, 3, 0};
   }
   OutputHost(const OutputHost&) = delete;
@@ -36,11 +37,10 @@ struct OutputHost {
   };
 
   static OutputHost& of(const weft_call* raw) { return *static_cast<OutputHost*>(raw->context); }
-  static void* alloc(const weft_call* raw, const char*, const char*, const char* array,
-                     std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) {
-    Kept& kept = of(raw).outputs[array];
-    kept.shape.assign(shape, shape + ndim);
-    std::int64_t bytes = dtype_size(dtype);
+  static void* alloc(const weft_call* raw, const weft_output* output) {
+    Kept& kept = of(raw).outputs[output->array];
+    kept.shape.assign(output->shape, output->shape + output->ndim);
+    std::int64_t bytes = dtype_size(output->dtype);
     for (const std::int64_t length : kept.shape) bytes *= length;
     kept.words.assign(to_index(bytes) / 8 + 1, 0);
     return kept.words.data();

@@ -4,6 +4,7 @@
 #include <weft/abi.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
@@ -23,14 +24,46 @@ struct Range {
 
 namespace detail {
 
+/// The integers of a range, both ends included.
+struct IntegerRange {
+  std::int64_t minimum, maximum;
+
+  explicit IntegerRange(Range range)
+      : minimum(rounded(std::ceil(range.minimum))), maximum(rounded(std::floor(range.maximum))) {}
+
+  /// An integral number, or the nearest std::int64_t.
+  static std::int64_t rounded(double number) {
+    constexpr double kBeyond = 9223372036854775808.0;  // 2^63
+    if (number >= kBeyond) return std::numeric_limits<std::int64_t>::max();
+    if (number <= -kBeyond) return std::numeric_limits<std::int64_t>::min();
+    return static_cast<std::int64_t>(number);
+  }
+};
+
 inline bool is_within(Range range, double number) {
   return number >= range.minimum && number <= range.maximum;
+}
+inline bool is_within(Range range, std::int64_t number) {
+  const IntegerRange integers(range);
+  return number >= integers.minimum && number <= integers.maximum;
 }
 
 inline Range within_int(Range range) {
   using Limits = std::numeric_limits<int>;
   return {std::max<double>(range.minimum, Limits::min()),
           std::min<double>(range.maximum, Limits::max())};
+}
+
+/// A declaration with a unit and a range.
+inline weft_parameter parameter_in(Range range, const char* unit) {
+  const IntegerRange integers(range);
+  weft_parameter parameter{};
+  parameter.unit = unit;
+  parameter.minimum = range.minimum;
+  parameter.maximum = range.maximum;
+  parameter.integer_minimum = integers.minimum;
+  parameter.integer_maximum = integers.maximum;
+  return parameter;
 }
 
 }  // namespace detail
@@ -133,17 +166,14 @@ template <class Number>
 void Params::read_numbers(const char* name, std::vector<Number>& values, int type, const char* unit,
                           Range range, const char* help, Need need) {
   if (sink_ != nullptr) {
-    weft_parameter parameter{};
-    parameter.unit = unit;
-    parameter.minimum = range.minimum;
-    parameter.maximum = range.maximum;
+    weft_parameter parameter = detail::parameter_in(range, unit);
     parameter.default_value.is_vector = 1;
     parameter.required = need == Need::required ? 1 : 0;
     declare(parameter, name, type, help, values.data(), values.size());
   } else if (const weft_value* given = find(name, type, true)) {
     const auto* numbers = static_cast<const Number*>(given->data);
     for (std::uint64_t i = 0; i < given->count; ++i) {
-      if (!detail::is_within(range, static_cast<double>(numbers[i]))) {
+      if (!detail::is_within(range, numbers[i])) {
         return refuse(name, "has a value outside its range");
       }
     }

@@ -38,15 +38,12 @@ template <class Number>
 void Params::read_number(const char* name, Number& value, int type, const char* unit, Range range,
                          const char* help, Need need) {
   if (sink_ != nullptr) {
-    weft_parameter parameter{};
-    parameter.unit = unit;
-    parameter.minimum = range.minimum;
-    parameter.maximum = range.maximum;
+    weft_parameter parameter = detail::parameter_in(range, unit);
     parameter.required = need == Need::required ? 1 : 0;
     declare(parameter, name, type, help, &value);
   } else if (const weft_value* given = find(name, type)) {
     const Number number = *static_cast<const Number*>(given->data);
-    if (!detail::is_within(range, static_cast<double>(number))) {
+    if (!detail::is_within(range, number)) {
       refuse(name, "is outside its range");
     } else {
       value = number;

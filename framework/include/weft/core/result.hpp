@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -70,14 +71,17 @@ template <>
 class [[nodiscard]] Result<void> {
  public:
   Result() = default;
-  Result(Error error) : error_(std::move(error)), failed_(true) {}
+  Result(Error error) : error_(std::move(error)) {}
 
-  explicit operator bool() const { return !failed_; }
-  const Error& error() const { return error_; }
+  explicit operator bool() const { return !error_.has_value(); }
+  /// The error; one without a message after success.
+  const Error& error() const {
+    static const Error kNone;
+    return error_ ? *error_ : kNone;
+  }
 
  private:
-  Error error_;
-  bool failed_ = false;
+  std::optional<Error> error_;  // success builds no texts, as each call has dozens of these
 };
 
 /// Returns the answer "no result for this frame" with its reason.

@@ -37,12 +37,14 @@ class OpenFile {
   int descriptor_;
 };
 
-/// Appends the rest of a file to `text`, at most `room` bytes. Returns 0 or the errno value.
+/// Appends the rest of a file to `text`, at most `room` bytes. Returns 0 or the errno value. It
+/// reads into the capacity of `text` first, because a larger piece costs more than a small file.
 inline int append_bytes(int descriptor, std::uint64_t room, std::string& text) {
-  constexpr std::uint64_t kPiece = 1U << 16U;
+  constexpr std::size_t kPiece = 1U << 16U;
   while (room > 0) {
     const std::size_t before = text.size();
-    text.resize(before + to_index(std::min(room, kPiece)));
+    const std::size_t left = text.capacity() - before;
+    text.resize(before + std::min<std::uint64_t>(room, left > 0 ? left : kPiece));
     const ::ssize_t got = ::read(descriptor, text.data() + before, text.size() - before);
     const int cause = errno;
     text.resize(before + to_index(std::max<::ssize_t>(got, 0)));

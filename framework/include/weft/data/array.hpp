@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <type_traits>
@@ -17,6 +19,20 @@
 #include <weft/core/unwritten.hpp>
 
 namespace weft {
+
+/// A number of IEEE 754 binary16. Components can pass on arrays of it and convert its elements.
+struct Float16 {
+  std::uint16_t bits = 0;
+
+  explicit operator double() const {
+    const int exponent = bits >> 10U & 0x1F, fraction = bits & 0x3FF;
+    const double sign = (bits & 0x8000U) != 0 ? -1.0 : 1.0;
+    if (exponent == 0) return sign * std::ldexp(fraction, -24);
+    if (exponent < 0x1F) return sign * std::ldexp(0x400 + fraction, exponent - 25);
+    return fraction == 0 ? sign * std::numeric_limits<double>::infinity()
+                         : std::numeric_limits<double>::quiet_NaN();
+  }
+};
 
 template <class T>
 constexpr std::int32_t dtype_of() {
@@ -28,19 +44,41 @@ constexpr std::int32_t dtype_of() {
   if constexpr (std::is_same_v<T, std::int64_t>) return WEFT_I64;
   if constexpr (std::is_same_v<T, float>) return WEFT_F32;
   if constexpr (std::is_same_v<T, double>) return WEFT_F64;
+  if constexpr (std::is_same_v<T, Float16>) return WEFT_F16;
+  if constexpr (std::is_same_v<T, std::uint32_t>) return WEFT_U32;
+  if constexpr (std::is_same_v<T, std::uint64_t>) return WEFT_U64;
+}
+
+/// A type of elements: its name in manifests, its size and its descriptor in NumPy files.
+struct ElementType {
+  const char* name;
+  std::int64_t bytes;
+  const char* npy;
+};
+
+/// The types of elements by weft_dtype. The first entry stands for all unknown ones.
+inline constexpr std::array<ElementType, 12> kElementTypes{{{"unknown", 0, ""},
+                                                            {"u8", 1, "|u1"},
+                                                            {"i8", 1, "|i1"},
+                                                            {"u16", 2, "<u2"},
+                                                            {"i16", 2, "<i2"},
+                                                            {"i32", 4, "<i4"},
+                                                            {"i64", 8, "<i8"},
+                                                            {"f32", 4, "<f4"},
+                                                            {"f64", 8, "<f8"},
+                                                            {"f16", 2, "<f2"},
+                                                            {"u32", 4, "<u4"},
+                                                            {"u64", 8, "<u8"}}};
+
+constexpr const ElementType& element_type(std::int32_t dtype) {
+  const bool known = dtype >= 1 && dtype < static_cast<std::int32_t>(kElementTypes.size());
+  return kElementTypes[known ? to_index(dtype) : 0];
 }
 
 /// Bytes per element; 0 for an unknown dtype.
-inline std::int64_t dtype_size(std::int32_t dtype) {
-  constexpr std::array<std::int64_t, 9> kSizes{0, 1, 1, 2, 2, 4, 8, 4, 8};
-  return dtype >= 1 && dtype <= 8 ? kSizes[to_index(dtype)] : 0;
-}
+constexpr std::int64_t dtype_size(std::int32_t dtype) { return element_type(dtype).bytes; }
 
-inline const char* dtype_name(std::int32_t dtype) {
-  constexpr std::array<const char*, 9> kNames{"",    "u8",  "i8",  "u16", "i16",
-                                              "i32", "i64", "f32", "f64"};
-  return dtype >= 1 && dtype <= 8 ? kNames[to_index(dtype)] : "unknown";
-}
+constexpr const char* dtype_name(std::int32_t dtype) { return element_type(dtype).name; }
 
 namespace detail {
 
@@ -52,6 +90,14 @@ struct Matrices {
 };
 
 }  // namespace detail
+
+/// The members of an input's weft_array that have a meaning for hosts and newer components only.
+/// They are passed on with the array.
+struct ArrayOrigin {
+  void* owner = nullptr;
+  std::int32_t reserved_word = 0;
+  std::array<std::uint64_t, 2> reserved{};
+};
 
 #define WEFT_NEEDS_MATRIX(what) what " works with Eigen matrices: #include <weft/data/matrix.hpp>"
 
@@ -98,8 +144,10 @@ class Array {
 
   /// Borrows memory that outlives the array. `row_stride` is the number of elements between rows of
   /// axis 0.
-  static Array borrow(const T* data, int ndim, const Shape& shape, std::int64_t row_stride) {
+  static Array borrow(const T* data, int ndim, const Shape& shape, std::int64_t row_stride,
+                      const ArrayOrigin& origin = {}) {
     Array view;
+    view.origin_ = origin;
     view.data_ = const_cast<T*>(data);
     view.ndim_ = ndim;
     view.shape_ = shape;
@@ -108,12 +156,12 @@ class Array {
   }
 
   /// Makes an array whose contents a library keeps on a device under `handle`. `owner` keeps the
-  /// contents alive; `hosts` is the host's pointer of an input.
+  /// contents alive.
   static Array on_device(std::uint64_t handle, int ndim, const Shape& shape,
-                         const std::shared_ptr<void>& owner, void* hosts = nullptr) {
+                         const std::shared_ptr<void>& owner, const ArrayOrigin& origin = {}) {
     Array remote;
     remote.handle_ = handle;
-    remote.hosts_ = hosts;
+    remote.origin_ = origin;
     remote.owner_ = owner;
     remote.ndim_ = ndim;
     remote.shape_ = shape;
@@ -124,7 +172,7 @@ class Array {
   bool present() const { return data_ != nullptr || is_on_device(); }
   bool is_on_device() const { return handle_ != 0; }
   std::uint64_t handle() const { return handle_; }
-  void* hosts() const { return hosts_; }
+  const ArrayOrigin& origin() const { return origin_; }
   int ndim() const { return ndim_; }
   const Shape& shape() const { return shape_; }
   std::int64_t dim(int axis) const { return axis < ndim_ ? shape_[to_index(axis)] : 1; }
@@ -164,7 +212,7 @@ class Array {
   Shape shape_{};
   std::int64_t row_stride_ = 0;
   std::uint64_t handle_ = 0;
-  void* hosts_ = nullptr;
+  ArrayOrigin origin_{};
 };
 
 /// Makes an owned array without axes, for scalars that may be absent.

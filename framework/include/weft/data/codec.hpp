@@ -125,9 +125,8 @@ Result<void> write_record(const RecordType& typed, Alloc&& alloc) {
   RecordType::fields(typed, writer);
   detail::for_each_other(typed, writer);
   if (writer.refused().empty()) return {};
-  return Error{Errc::plugin_failure,
-               "the host refused the array '" + writer.refused() + "' of " + RecordType::kType +
-                   ": an illegal name or shape, no output of the role, or short of memory"};
+  return Error{Errc::plugin_failure, "the array '" + writer.refused() + "' of " +
+                                         RecordType::kType + " cannot be an output"};
 }
 
 }  // namespace weft

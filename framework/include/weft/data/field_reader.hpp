@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -27,12 +28,13 @@ Array<T> borrow_array(const weft_array& array) {
   for (int axis = 0; axis < array.ndim; ++axis) {
     shape[to_index(axis)] = array.shape[axis];
   }
+  const ArrayOrigin origin{array.owner, array.reserved_word, std::to_array(array.reserved)};
   if (array.memory == WEFT_DEVICE) {
-    return Array<T>::on_device(array.handle, array.ndim, shape, nullptr, array.owner);
+    return Array<T>::on_device(array.handle, array.ndim, shape, nullptr, origin);
   }
   const std::int64_t row_stride =
       array.ndim > 0 ? array.stride[0] / static_cast<std::int64_t>(sizeof(T)) : 1;
-  return Array<T>::borrow(static_cast<const T*>(array.data), array.ndim, shape, row_stride);
+  return Array<T>::borrow(static_cast<const T*>(array.data), array.ndim, shape, row_stride, origin);
 }
 
 inline AnyArray borrow_any(const weft_array& array) {
@@ -51,6 +53,12 @@ inline AnyArray borrow_any(const weft_array& array) {
       return borrow_array<std::int64_t>(array);
     case WEFT_F32:
       return borrow_array<float>(array);
+    case WEFT_F16:
+      return borrow_array<Float16>(array);
+    case WEFT_U32:
+      return borrow_array<std::uint32_t>(array);
+    case WEFT_U64:
+      return borrow_array<std::uint64_t>(array);
     default:
       return borrow_array<double>(array);
   }
@@ -160,7 +168,9 @@ class FieldReader : public FieldCheck {
     if (found_ == record().count) return;
     for (const weft_array* array = record().arrays; array != record().arrays + record().count;
          ++array) {
-      if (can_be_kept(*array) && !is_named<RecordType>(array->name)) {
+      if (dtype_size(array->dtype) == 0) {
+        others.unreadable().push_back(*array);
+      } else if (can_be_kept(*array) && !is_named<RecordType>(array->name)) {
         others.read().push_back({std::string_view(array->name), borrow_any(*array)});
       }
     }

@@ -21,16 +21,13 @@ struct NpyHeader {
 
 namespace detail {
 
-inline constexpr std::array<const char*, 9> kNpyDescriptors{"",    "|u1", "|i1", "<u2", "<i2",
-                                                            "<i4", "<i8", "<f4", "<f8"};
-
 inline std::string npy_header(const weft_array& array) {
   std::string shape = "(";
   for (int axis = 0; axis < array.ndim; ++axis) {
     shape += std::to_string(array.shape[axis]) + (axis + 1 < array.ndim ? ", " : "");
   }
   shape += array.ndim == 1 ? ",)" : ")";
-  std::string header = std::string("{'descr': '") + kNpyDescriptors[to_index(array.dtype)] +
+  std::string header = std::string("{'descr': '") + element_type(array.dtype).npy +
                        "', 'fortran_order': False, 'shape': " + shape + ", }";
   constexpr std::size_t kPreamble = 10;
   while ((kPreamble + header.size() + 1) % 64 != 0) header += ' ';
@@ -68,8 +65,8 @@ inline Result<NpyHeader> parse_npy(const std::string& bytes) {
   if (header.data_offset > bytes.size() || header.data_offset % 8 != 0) return damaged;
   const std::string text = bytes.substr(10, header.data_offset - 10);
   if (text.find("'fortran_order': False") == std::string::npos) return damaged;
-  for (std::size_t i = 1; i < detail::kNpyDescriptors.size(); ++i) {
-    if (text.find("'" + std::string(detail::kNpyDescriptors[i]) + "'") != std::string::npos) {
+  for (std::size_t i = 1; i < kElementTypes.size(); ++i) {
+    if (text.find("'" + std::string(kElementTypes[i].npy) + "'") != std::string::npos) {
       header.dtype = static_cast<std::int32_t>(i);
     }
   }

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -29,8 +29,10 @@ class Fingerprint {
     for (const char* symbol = field.shape; *symbol != '\0'; ++symbol) {
       if (*symbol == ',') ++axis;
       if (*symbol < 'A' || *symbol > 'Z') continue;
-      std::int64_t& length = lengths_[to_index(*symbol - 'A')];
-      if (length < 0) length = member.dim(axis);
+      const std::uint32_t letter = 1U << static_cast<unsigned>(*symbol - 'A');
+      if ((letters_ & letter) != 0) continue;
+      letters_ |= letter;
+      lengths_ = mixed(lengths_ + letter, static_cast<std::uint64_t>(member.dim(axis)));
     }
   }
   template <class T>
@@ -48,11 +50,7 @@ class Fingerprint {
 
   /// The fingerprint; never 0.
   std::uint64_t value() const {
-    std::uint64_t lengths = 0;
-    for (const std::int64_t length : lengths_) {
-      lengths = mixed(lengths, static_cast<std::uint64_t>(length));
-    }
-    return ((sum_ | (kLengths + 1U)) & ~kLengths) | (lengths & kLengths);
+    return ((sum_ | (kLengths + 1U)) & ~kLengths) | (lengths_ & kLengths);
   }
 
   static constexpr std::uint64_t kLengths = 0xFFFFFFFFU;  ///< the bits that depend on lengths
@@ -85,11 +83,8 @@ class Fingerprint {
   void mix(std::uint64_t number) { sum_ = mixed(sum_, number); }
 
   std::uint64_t sum_ = 0;
-  std::array<std::int64_t, 26> lengths_ = [] {
-    std::array<std::int64_t, 26> unknown{};
-    unknown.fill(-1);
-    return unknown;
-  }();
+  std::uint64_t lengths_ = 0;  ///< of all letters so far, each at its first array
+  std::uint32_t letters_ = 0;  ///< those that were seen
 };
 
 template <class RecordType>
@@ -126,6 +121,14 @@ void for_each_other(const RecordType& typed, Visit&& visit) {
     });
     if (!replaced) visit(entry);
   }
+}
+
+/// The arrays with elements of an unknown type that are passed on with a record struct.
+template <class RecordType>
+std::span<const weft_array> unreadable_of(const RecordType& typed) {
+  const std::vector<weft_array>& arrays = typed.others.unreadable();
+  if (arrays.empty() || !is_as_long(typed)) return {};
+  return arrays;
 }
 
 /// The revision of a record struct that is passed on; 0 if the struct has changed. A component that

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -15,9 +17,10 @@
 namespace weft {
 
 /// An array with any element type.
-using AnyArray = std::variant<Array<double>, Array<float>, Array<std::uint8_t>, Array<std::int8_t>,
-                              Array<std::uint16_t>, Array<std::int16_t>, Array<std::int32_t>,
-                              Array<std::int64_t>>;
+using AnyArray =
+    std::variant<Array<double>, Array<float>, Array<std::uint8_t>, Array<std::int8_t>,
+                 Array<std::uint16_t>, Array<std::int16_t>, Array<std::int32_t>,
+                 Array<std::int64_t>, Array<Float16>, Array<std::uint32_t>, Array<std::uint64_t>>;
 
 /// An array outside the catalogue: `diag.*` diagnostics, `model.*` of a warp, or an unknown array.
 struct NamedArray {
@@ -38,12 +41,12 @@ inline bool is_vendor_name(std::string_view name) {
   return dot != std::string_view::npos && dot > 2 && dot + 1 < name.size();
 }
 
-/// Everything in a record beyond the members of its struct: its origin and the arrays unknown to
-/// the catalogue of this SDK. Such arrays come from a newer SDK or a third party. Arrays that were
-/// read are borrowed and valid until the call returns, like all members. They are passed on when
-/// the struct goes to a nested component or is returned, also with changed members. The condition
-/// is that the record's lengths are unchanged. The revision is passed on only with unchanged
-/// members and is 0 otherwise.
+/// Everything in a record beyond the members of its struct: its origin, its reserved words and the
+/// arrays unknown to the catalogue of this SDK. Such arrays come from a newer SDK or a third party.
+/// Arrays that were read are borrowed and valid until the call returns, like all members. They are
+/// passed on when the struct goes to a nested component or is returned, also with changed members.
+/// The condition is that the record's lengths are unchanged. The revision is passed on only with
+/// unchanged members and is 0 otherwise.
 class Others {
  public:
   /// The array of this name and element type; null if there is none.
@@ -71,7 +74,10 @@ class Others {
   }
 
   /// Discards the arrays that were read; required when the elements of a record are reordered.
-  void drop() { read_.clear(); }
+  void drop() {
+    read_.clear();
+    unreadable_.clear();
+  }
 
   /// Index of the frame in which the record was made, or WEFT_NO_FRAME.
   std::int64_t frame() const { return frame_; }
@@ -82,6 +88,10 @@ class Others {
   const std::vector<NamedArray>& read() const { return read_; }
   std::vector<NamedArray>& own() { return own_; }
   std::vector<NamedArray>& read() { return read_; }
+  /// Arrays with elements of a type that this SDK does not know, for nested components that do.
+  const std::vector<weft_array>& unreadable() const { return unreadable_; }
+  std::vector<weft_array>& unreadable() { return unreadable_; }
+  const std::array<std::uint64_t, 3>& reserved() const { return reserved_; }
   /// Fingerprint of the members at the time of the read; 0 for a struct that was not read.
   std::uint64_t fingerprint() const { return fingerprint_; }
   std::uint64_t revision() const { return revision_; }
@@ -95,6 +105,7 @@ class Others {
     frame_ = record.frame;
     view_ = record.view;
     object_ = record.object;
+    std::copy(std::begin(record.reserved), std::end(record.reserved), reserved_.begin());
   }
 
  private:
@@ -102,6 +113,8 @@ class Others {
   std::uint64_t fingerprint_ = 0, revision_ = 0;
   std::int64_t frame_ = WEFT_NO_FRAME;
   std::int32_t view_ = 0, object_ = 0;
+  std::vector<weft_array> unreadable_;
+  std::array<std::uint64_t, 3> reserved_{};
 };
 
 }  // namespace weft

@@ -64,6 +64,7 @@ RecordType owned_record(RecordType typed) {
     return !as_long ||
            std::visit([](const auto& array) { return array.is_on_device(); }, entry.values);
   });
+  typed.others.unreadable().clear();  // their length in bytes is unknown
   detail::TakeOver::all(typed.others.read());
   detail::TakeOver::all(typed.others.own());
   if (!made) typed.others.seal(detail::fingerprint_of(typed), 0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <type_traits>
 #include <variant>
@@ -19,17 +20,17 @@ class RecordView {
     RecordType::fields(
         typed, [this](const auto& member, const Field& field) { this->add(member, field.name); });
     detail::for_each_other(typed, [this](const NamedArray& entry) { this->add(entry); });
+    for (const weft_array& array : detail::unreadable_of(typed)) arrays_.push_back(array);
     const Others& others = typed.others;
-    record_ = {slot,
-               RecordType::kType,
-               detail::revision_of(typed),
-               0,
-               arrays_.size(),
-               arrays_.data(),
-               others.frame(),
-               others.view(),
-               others.object(),
-               {}};
+    record_.slot = slot;
+    record_.type = RecordType::kType;
+    record_.revision = detail::revision_of(typed);
+    record_.count = arrays_.size();
+    record_.arrays = arrays_.data();
+    record_.frame = others.frame();
+    record_.view = others.view();
+    record_.object = others.object();
+    std::copy(others.reserved().begin(), others.reserved().end(), record_.reserved);
     if constexpr (requires { typed.producer_handle; }) record_.producer = typed.producer_handle;
   }
   RecordView(const RecordView&) = delete;
@@ -45,8 +46,10 @@ class RecordView {
     if (array.is_on_device()) {
       raw.memory = WEFT_DEVICE;
       raw.handle = array.handle();
-      raw.owner = array.hosts();
     }
+    raw.owner = array.origin().owner;
+    raw.reserved_word = array.origin().reserved_word;
+    std::copy(array.origin().reserved.begin(), array.origin().reserved.end(), raw.reserved);
     std::int64_t stride = sizeof(T);
     for (int axis = array.ndim() - 1; axis >= 0; --axis) {
       raw.shape[axis] = array.dim(axis);

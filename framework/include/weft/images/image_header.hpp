@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <string_view>
 #include <weft/core/result.hpp>
@@ -44,22 +45,37 @@ inline void take_exif(std::string_view exif, ImageHeader& header) {
   header.exif_height_px = fields.exif_height_px;
 }
 
-constexpr std::array<std::uint32_t, 256> crc_table() {
-  std::array<std::uint32_t, 256> table{};
+using CrcTables = std::array<std::array<std::uint32_t, 256>, 8>;
+
+/// Table k has the checksum of a byte that k zero bytes follow.
+constexpr CrcTables crc_tables() {
+  CrcTables tables{};
   for (std::uint32_t i = 0; i < 256; ++i) {
-    table[i] = i;
-    for (int k = 0; k < 8; ++k)
-      table[i] = (table[i] & 1U) != 0 ? 0xEDB88320U ^ table[i] >> 1U : table[i] >> 1U;
+    std::uint32_t& crc = tables[0][i] = i;
+    for (int k = 0; k < 8; ++k) crc = (crc & 1U) != 0 ? 0xEDB88320U ^ crc >> 1U : crc >> 1U;
   }
-  return table;
+  for (std::size_t k = 1; k < tables.size(); ++k) {
+    for (std::size_t i = 0; i < 256; ++i) {
+      const std::uint32_t before = tables[k - 1][i];
+      tables[k][i] = tables[0][before & 0xFFU] ^ before >> 8U;
+    }
+  }
+  return tables;
 }
 
-/// CRC-32 as in PNG and zip.
+/// CRC-32 as in PNG and zip, eight bytes at a time: whole images are checked in each frame.
 inline std::uint32_t crc32(std::string_view bytes) {
-  static constexpr std::array<std::uint32_t, 256> kTable = crc_table();
+  static constexpr CrcTables kTables = crc_tables();
   std::uint32_t crc = 0xFFFFFFFFU;
+  for (; bytes.size() >= 8; bytes.remove_prefix(8)) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes.data(), sizeof(word));
+    word ^= crc;
+    crc = 0;
+    for (std::size_t k = 0; k < 8; ++k) crc ^= kTables[7 - k][word >> 8 * k & 0xFFU];
+  }
   for (const char byte : bytes) {
-    crc = kTable[(crc ^ static_cast<unsigned char>(byte)) & 0xFFU] ^ crc >> 8U;
+    crc = kTables[0][(crc ^ static_cast<unsigned char>(byte)) & 0xFFU] ^ crc >> 8U;
   }
   return ~crc;
 }

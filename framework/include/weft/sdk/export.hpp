@@ -130,6 +130,7 @@ constexpr std::array<const weft_component*, Count> pointers_to(
                                            WEFT_ABI_MINOR,                       \
                                            sizeof(weft_library_table),           \
                                            kWeftComponents.size(),               \
+                                           WEFT_ABI_NAME,                        \
                                            kWeftPointers.data(),                 \
                                            WEFT_ISA,                             \
                                            WEFT_COMPILER,                        \

@@ -11,9 +11,9 @@
 namespace weft::detail {
 
 /// Returns whether an exception reports a lack of memory; OpenCV has its own exception for it.
-inline bool is_about_memory(const std::exception& thrown) {
+inline bool is_about_memory(const std::exception& thrown, std::string_view text) {
   return dynamic_cast<const std::bad_alloc*>(&thrown) != nullptr ||
-         std::string_view(thrown.what()).find("(-4:Insufficient memory)") != std::string_view::npos;
+         text.find("(-4:Insufficient memory)") != std::string_view::npos;
 }
 
 /// Runs `body` and converts an exception into an error, so that none crosses the boundary.
@@ -26,8 +26,10 @@ std::int32_t guarded(weft_error* error, Body&& body) noexcept {
   } catch (const NotDelivered& missing) {
     return report({Errc::plugin_failure, missing.what(), {}}, error);
   } catch (const std::exception& thrown) {
-    if (is_about_memory(thrown)) return report({Errc::no_memory, "out of memory", {}}, error);
-    return report({Errc::plugin_failure, std::string("threw: ") + thrown.what(), {}}, error);
+    const char* given = thrown.what();
+    const std::string text = given != nullptr ? given : "an exception without a text";
+    if (is_about_memory(thrown, text)) return report({Errc::no_memory, "out of memory", {}}, error);
+    return report({Errc::plugin_failure, "threw: " + text, {}}, error);
   } catch (...) {
     return report({Errc::plugin_failure, "threw something that is no std::exception", {}}, error);
   }
@@ -45,7 +47,7 @@ constexpr About about_of() {
 /// Extensions of a component class beyond its role, detected by its members.
 template <class T>
 struct Extensions {
-  static const void* get(const char* name) {
+  static const void* get(const weft_component* /*component*/, const char* name) {
     const std::string_view asked = name;
     if (asked == WEFT_DEVICE_MEMORY) return about_of<T>().device_memory;
     if constexpr (requires { T::devices(); }) {

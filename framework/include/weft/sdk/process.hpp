@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstring>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -99,7 +100,8 @@ class ProcessCall {
 
   template <class RecordType>
   Result<void> write(const char* slot, const RecordType& typed) const {
-    return write_record(typed, Output{call_, slot, RecordType::kType});
+    return write_record(
+        typed, Output{call_, slot, RecordType::kType, typed.others.view(), typed.others.object()});
   }
   template <class RecordType>
   Result<void> write(const char* slot, const std::optional<RecordType>& typed) const {
@@ -111,7 +113,8 @@ class ProcessCall {
   Result<void> read_slots(Input& input) const {
     Result<void> status;
     Input::slots(input, [&](const char* slot, auto& member) {
-      if (status) status = read_slot(slot, member);
+      if (!status) return;
+      if (auto read = read_slot(slot, member); !read) status = std::move(read);
     });
     return status;
   }
@@ -121,20 +124,29 @@ class ProcessCall {
   struct Output {
     const weft_call& call;
     const char *slot, *type;
+    std::int32_t view, object;
 
-    void* operator()(const char* array, std::int32_t dtype, int ndim, const std::int64_t* shape) {
-      return call.host->alloc(&call, slot, type, array, dtype, ndim, shape);
+    void* operator()(const char* array, std::int32_t dtype, int ndim,
+                     const std::int64_t* shape) const {
+      const weft_output output = entry(array, dtype, ndim, shape, 0);
+      return call.host->alloc(&call, &output);
     }
     bool adopt(const char* array, std::int32_t dtype, int ndim, const std::int64_t* shape,
-               std::uint64_t handle) {
-      return call.host->adopt(&call, slot, type, array, dtype, ndim, shape, handle) != 0;
+               std::uint64_t handle) const {
+      const weft_output output = entry(array, dtype, ndim, shape, handle);
+      return call.host->adopt(&call, &output) != 0;
+    }
+    weft_output entry(const char* array, std::int32_t dtype, int ndim, const std::int64_t* shape,
+                      std::uint64_t handle) const {
+      return {sizeof(weft_output), dtype, slot, type, array, shape, ndim, view, object, 0,
+              WEFT_NO_FRAME,       handle};
     }
   };
 
   template <class RecordType>
   Result<void> read_slot(const char* slot, RecordType& member) const {
     for (std::uint64_t i = 0; i < count_; ++i) {
-      if (std::string_view(inputs_[i].slot) == slot) return read_into(inputs_[i], member);
+      if (is_in(inputs_[i], slot)) return read_into(inputs_[i], member);
     }
     return Error{Errc::invalid_data, std::string("required input '") + slot + "' is absent"};
   }
@@ -142,7 +154,7 @@ class ProcessCall {
   Result<void> read_slot(const char* slot, OptionalInput<RecordType>& member) const {
     member.call_it(slot);
     for (std::uint64_t i = 0; i < count_; ++i) {
-      if (std::string_view(inputs_[i].slot) == slot) return read_into(inputs_[i], member.emplace());
+      if (is_in(inputs_[i], slot)) return read_into(inputs_[i], member.emplace());
     }
     return {};
   }
@@ -150,10 +162,13 @@ class ProcessCall {
   Result<void> read_slot(const char* slot, ListInput<RecordType>& members) const {
     members.call_it(slot);
     for (std::uint64_t i = 0; i < count_; ++i) {
-      if (std::string_view(inputs_[i].slot) != slot) continue;
+      if (!is_in(inputs_[i], slot)) continue;
       if (auto read = read_into(inputs_[i], members.emplace_back()); !read) return read;
     }
     return {};
+  }
+  static bool is_in(const weft_record& input, const char* slot) {
+    return std::strcmp(input.slot, slot) == 0;
   }
   template <class RecordType>
   static Result<void> read_into(const weft_record& record, RecordType& member) {

@@ -11,10 +11,10 @@
 namespace weft {
 
 /// Role `solvers`: the 3D shape of the template's mesh in the camera frame, in metres, with a
-/// confidence. SolverInput is in weft/sdk/nested.hpp. state_of() in
-/// weft/geometry/shape_evidence.hpp decides between `estimated` and `weak` for all solvers. A state
-/// `weak` from a solver is kept. The evidence is in `diag.agreeing_matches`, `diag.kept_matches`
-/// and `diag.agreeing_coverage`.
+/// confidence. SolverInput is in weft/sdk/nested.hpp. The host decides between `estimated` and
+/// `weak` for all solvers, by state_of() in weft/geometry/shape_evidence.hpp. It keeps a state
+/// `weak` of a solver and adds the evidence as `diag.agreeing_matches`, `diag.kept_matches` and
+/// `diag.agreeing_coverage`.
 class Solver : public Prepared {
  public:
   static constexpr const char* kRole = "solvers";
@@ -28,7 +28,7 @@ class Solver : public Prepared {
   std::int32_t process(ProcessCall& call) {
     return call.run<SolverInput>("shape", [&](const SolverInput& in) {
       const bool welds = in.templ.welded_vertex.present() && joins_seams();
-      return judged(in, welds ? solve_welded(in) : solve(in));
+      return welds ? solve_welded(in) : solve(in);
     });
   }
 
@@ -44,19 +44,6 @@ class Solver : public Prepared {
     if (!welded) return welded.error();
     Result<Shape> solved = solve(*welded);
     if (solved) welding_.spread(*solved);
-    return solved;
-  }
-
-  static Result<Shape> judged(const SolverInput& in, Result<Shape> solved) {
-    if (!solved || solved->vertices_m.rows() != in.templ.vertices_m.rows()) return solved;
-    const ShapeEvidence evidence =
-        shape_evidence(in.templ, in.camera, solved->vertices_m, in.correspondences, in.sightlines);
-    if (solved->shape_state() == ShapeState::estimated) {
-      solved->state = static_cast<std::int32_t>(state_of(evidence, solved->confidence));
-    }
-    solved->diag.set("agreeing_matches", evidence.agreeing);
-    solved->diag.set("kept_matches", evidence.kept);
-    solved->diag.set("agreeing_coverage", evidence.coverage);
     return solved;
   }
 

@@ -20,7 +20,7 @@ constexpr std::size_t kWall = 64, kLine = 64;  ///< [bytes]
 // Where the structs of 1.0 end, which no later version changes.
 constexpr std::size_t kHostBytes = offsetof(weft_host, get_extension) + sizeof(void*);
 constexpr std::size_t kCallBytes = offsetof(weft_call, reserved) + sizeof(std::int32_t);
-constexpr std::size_t kCreateBytes = offsetof(weft_create, count) + sizeof(std::uint64_t);
+constexpr std::size_t kCreateBytes = offsetof(weft_create, context) + sizeof(void*);
 constexpr std::size_t kErrorBytes = offsetof(weft_error, subject) + sizeof(weft_error::subject);
 
 std::uint32_t size_of(std::size_t bytes) { return static_cast<std::uint32_t>(bytes); }
@@ -37,30 +37,34 @@ struct Forward {
   static const OtherHost::Stay& stay(const weft_call* call) {
     return *static_cast<const OtherHost::Stay*>(call->context);
   }
-  static void* alloc(const weft_call* call, const char* slot, const char* type, const char* array,
-                     std::int32_t dtype, std::int32_t ndim, const std::int64_t* shape) {
+  static void* alloc(const weft_call* call, const weft_output* output) {
     const OtherHost::Stay& in = stay(call);
-    void* memory = in.call.host->alloc(&in.call, slot, type, array, dtype, ndim, shape);
+    void* memory = in.call.host->alloc(&in.call, output);
     if (memory == nullptr) return nullptr;
-    return in.host.given(memory, std::string(slot) + "/" + array,
-                         host::array_bytes(dtype, ndim, shape));
+    return in.host.given(memory, std::string(output->slot) + "/" + output->array,
+                         host::array_bytes(output->dtype, output->ndim, output->shape));
   }
   static std::int32_t cancelled(const weft_call* call) {
     return stay(call).call.host->cancelled(&stay(call).call);
   }
   static void log(const weft_call* call, std::int32_t level, const char* text) {
+    stay(call).host.logged(text);
     stay(call).call.host->log(&stay(call).call, level, text);
   }
   static std::int32_t invoke(const weft_call* call, weft_invocation* asked, weft_error* error) {
-    return stay(call).call.host->invoke(&stay(call).call, asked, error);
+    const OtherHost::Stay& in = stay(call);
+    const std::int32_t status = in.call.host->invoke(&in.call, asked, error);
+    in.host.invoked(asked->component, status, *error);
+    return status;
   }
-  static std::int32_t adopt(const weft_call* call, const char* slot, const char* type,
-                            const char* array, std::int32_t dtype, std::int32_t ndim,
-                            const std::int64_t* shape, std::uint64_t handle) {
+  static std::int32_t adopt(const weft_call* call, const weft_output* output) {
     const weft_call& asked = stay(call).call;
-    return asked.host->adopt(&asked, slot, type, array, dtype, ndim, shape, handle);
+    return asked.host->adopt(&asked, output);
   }
-  static const void* get_extension(const char* /*name*/) { return nullptr; }
+  static const void* get_extension(const weft_host* /*host*/, void* /*context*/,
+                                   const char* /*name*/) {
+    return nullptr;
+  }
 };
 
 const weft_call& OtherHost::dressed(const weft_call& call, const weft_host& host) {
@@ -72,10 +76,17 @@ const weft_call& OtherHost::dressed(const weft_call& call, const weft_host& host
 
 namespace {
 
-constexpr weft_host kForwarding{kHostBytes,      0,
-                                &Forward::alloc, &Forward::cancelled,
-                                &Forward::log,   &Forward::invoke,
-                                &Forward::adopt, &Forward::get_extension};
+constexpr weft_host kForwarding{kHostBytes,
+                                WEFT_ABI_MAJOR,
+                                WEFT_ABI_MINOR,
+                                "another host",
+                                "",
+                                &Forward::alloc,
+                                &Forward::cancelled,
+                                &Forward::log,
+                                &Forward::invoke,
+                                &Forward::adopt,
+                                &Forward::get_extension};
 
 }  // namespace
 

@@ -29,6 +29,11 @@ class OtherHost : public testing::Passage {
   virtual void* given(void* memory, const std::string& /*name*/, std::int64_t /*bytes*/) {
     return memory;
   }
+  /// Receives each text that the component logs, from any thread.
+  virtual void logged(const char* /*text*/) {}
+  /// Receives the result of each invocation of another component.
+  virtual void invoked(std::uint64_t /*component*/, std::int32_t /*status*/,
+                       const weft_error& /*error*/) {}
   /// Receives the status that the component returned from prepare or process.
   virtual void left(std::int32_t /*status*/) {}
   /// A call that stands for `call`, with the host table `host`; both live as long as this.

@@ -10,8 +10,7 @@
 
 #include <algorithm>
 #include <cfenv>
-#include <clocale>
-#include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -19,6 +18,9 @@
 #if defined(__x86_64__)
 #include <xmmintrin.h>
 #endif
+
+#include "host/loading/process_state.hpp"
+
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define WEFT_SANITIZER_ALLOCATES
 // Declared in sanitizer/allocator_interface.h, which GCC does not install.
@@ -37,23 +39,6 @@ std::size_t entries_of(const char* folder) {
   return count;
 }
 
-std::string signals() {
-  constexpr int kRestorer = 0x04000000;  // set by the C library in whatever is installed
-  std::ostringstream text;
-  for (int signal = 1; signal < NSIG; ++signal) {
-    struct sigaction action {};
-    if (sigaction(signal, nullptr, &action) != 0) continue;
-    text << signal << ' ' << reinterpret_cast<const void*>(action.sa_handler) << ' '
-         << (action.sa_flags & ~kRestorer) << '\n';
-  }
-  sigset_t mask;
-  pthread_sigmask(SIG_SETMASK, nullptr, &mask);
-  for (int signal = 1; signal < NSIG; ++signal) {
-    if (sigismember(&mask, signal) == 1) text << "blocked " << signal << '\n';
-  }
-  return text.str();
-}
-
 std::string environment() {
   std::vector<std::string> all;
   for (char** entry = environ; entry != nullptr && *entry != nullptr; ++entry) {
@@ -63,12 +48,6 @@ std::string environment() {
   std::string text;
   for (const std::string& entry : all) text += entry + "\n";
   return text;
-}
-
-std::string file_mask() {
-  const mode_t mask = umask(0);
-  umask(mask);
-  return std::to_string(mask);
 }
 
 }  // namespace
@@ -97,6 +76,12 @@ std::int64_t resident_bytes() {
 }
 #endif
 
+std::int64_t printed_bytes() {
+  std::fflush(stdout);
+  struct stat known {};
+  return fstat(STDOUT_FILENO, &known) == 0 ? known.st_size : 0;
+}
+
 double processor_ms() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
@@ -115,19 +100,26 @@ std::string floating_point_mode() {
   text << std::hex << "rounding " << std::fegetround();
 #if defined(__x86_64__)
   constexpr unsigned kFlags = 0x3F;  // exception flags that computations set
-  text << ", control " << (_mm_getcsr() & ~kFlags);
+  std::uint16_t x87 = 0;             // its precision, for long double
+  __asm__ volatile("fnstcw %0" : "=m"(x87));
+  text << ", control " << (_mm_getcsr() & ~kFlags) << " and " << x87;
 #endif
   return text.str();
 }
 
 std::map<std::string, std::string> process_state() {
-  std::error_code code;
-  const char* locale = std::setlocale(LC_ALL, nullptr);
-  return {{"locale", locale != nullptr ? locale : ""},
-          {"signals", signals()},
-          {"working_directory", std::filesystem::current_path(code).string()},
-          {"umask", file_mask()},
-          {"environment", environment()}};
+  const host::ProcessState state;
+  std::string settings;
+  for (const char* part : {"resource limits", "timers", "CPU affinity", "priority"}) {
+    settings += part + (": " + state.text(part)) + "\n";
+  }
+  return {{"locale", state.text("locale")},
+          {"floating_point", floating_point_mode()},
+          {"signals", state.text("signals")},
+          {"working_directory", state.text("working directory")},
+          {"umask", state.text("umask")},
+          {"environment", environment()},
+          {"process", settings + "terminate handler: " + state.text("terminate handler")}};
 }
 
 int opencv_threads() {

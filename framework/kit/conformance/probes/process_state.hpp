@@ -15,6 +15,9 @@ std::size_t count_threads();
 std::int64_t resident_bytes();  ///< memory of the process; under a sanitizer, that of the heap
 std::int64_t heap_bytes();      ///< that are allocated and not freed
 
+/// [bytes] printed to stdout so far, where that is a file.
+std::int64_t printed_bytes();
+
 /// [ms] of CPU time that this process has used so far, in all of its threads.
 double processor_ms();
 
@@ -24,8 +27,8 @@ double queued_ms(int thread);
 /// How this thread rounds, and whether it takes subnormal numbers for zero, as text.
 std::string floating_point_mode();
 
-/// The state that only the program itself may change, by name, as text: "locale", "signals",
-/// "working_directory", "umask", "environment".
+/// The state that only the program itself may change, by name, as text: "locale", "floating_point",
+/// "signals", "working_directory", "umask", "environment", "process".
 std::map<std::string, std::string> process_state();
 
 /// How many threads OpenCV would use; -1 where it is not loaded.

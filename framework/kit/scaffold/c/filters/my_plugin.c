@@ -208,9 +208,9 @@ static int32_t judge(matches* all, const weft_call* call, int64_t n, double tole
     if (call->host->cancelled(call)) return WEFT_CANCELLED;
     rank = fit(all);
   }
-  uint8_t* kept = call->host->alloc(call, slot, type, "kept", WEFT_U8, 1, &n);
-  double* score = call->host->alloc(call, slot, type, "score", WEFT_F64, 1, &n);
-  double* mean_px = call->host->alloc(call, slot, type, "diag.mean_residual_px", WEFT_F64, 0, NULL);
+  uint8_t* kept = weft_alloc(call, slot, type, "kept", WEFT_U8, 1, &n);
+  double* score = weft_alloc(call, slot, type, "score", WEFT_F64, 1, &n);
+  double* mean_px = weft_alloc(call, slot, type, "diag.mean_residual_px", WEFT_F64, 0, NULL);
   if (kept == NULL || score == NULL || mean_px == NULL) {
     return say(error, WEFT_ERROR, WEFT_CODE_NO_MEMORY, "the host gives no memory for the mask");
   }
@@ -276,6 +276,7 @@ const weft_library_table weft_library = {
     .sdk_minor = WEFT_ABI_MINOR,
     .struct_size = sizeof(weft_library_table),
     .count = 1,
+    .abi = WEFT_ABI_NAME,
     .components = components,
     .isa = "", /* CPU features beyond x86-64 that -m options enable, such as "avx2 fma" */
     .compiler = "cc " __VERSION__};
