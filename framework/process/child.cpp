@@ -8,6 +8,7 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -77,12 +78,32 @@ int spawn(const Program& program, std::array<int, 2> outputs, pid_t& id) {
   return failure;
 }
 
+void lower_limit(__rlimit_resource which, rlim_t most) {
+  rlimit limit{};
+  if (getrlimit(which, &limit) != 0) return;
+  limit.rlim_cur = std::min(limit.rlim_cur, most);
+  setrlimit(which, &limit);
+}
+
+/// Memory and files of third-party code in a copy. The sizes are far beyond what a library needs,
+/// and keep the machine usable. Sanitizers and devices reserve addresses without end, but not
+/// writable private memory; what sanitizers map for themselves is both.
+void bound_resources() {
+  constexpr rlim_t kLargestFile_bytes = rlim_t{16} << 30U;
+  lower_limit(RLIMIT_FSIZE, kLargestFile_bytes);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  const auto pages = static_cast<rlim_t>(std::max(sysconf(_SC_PHYS_PAGES), 0L));
+  if (pages > 0) lower_limit(RLIMIT_DATA, pages / 4 * 3 * to_index(sysconf(_SC_PAGESIZE)));
+#endif
+}
+
 /// Never returns to the caller of fork(), which goes on in the other process.
 [[noreturn]] void run_copy(const Copy& copy, pid_t parent, std::array<int, 2> outputs, int memory,
                            int pipe) noexcept {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(1);
   go_on_supervised(memory);
+  bound_resources();
   for (const int signal : {SIGINT, SIGTERM}) ::signal(signal, SIG_DFL);
   dup2(outputs[0], STDOUT_FILENO);
   dup2(outputs[1], STDERR_FILENO);

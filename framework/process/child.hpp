@@ -46,7 +46,8 @@ struct Program {
   bool own_group = false;  ///< no signal of the terminal reaches it, none is blocked or ignored
 };
 
-/// A copy of this process to start. Its stdin is empty. `work` writes into a pipe, which this
+/// A copy of this process to start. Its stdin is empty. Its files may have 16 GiB, and its memory
+/// three quarters of the machine's. `work` writes into a pipe, which this
 /// program reads, and returns the exit code.
 struct Copy {
   std::function<int(int pipe)> work;

@@ -55,6 +55,7 @@ class Supervisor {
       const timespec patience{0, tick.count()};
       const int signal = sigtimedwait(&heard, nullptr, &patience);
       // The child has a separate process group, which a terminal does not stop.
+      if (signal == SIGTSTP || signal == SIGCONT) is_stopped_ = signal == SIGTSTP;
       if (signal == SIGTSTP) kill(-child_, SIGSTOP);
       if (signal == SIGCONT) kill(-child_, SIGCONT);
       if (signal == SIGTERM || getppid() != parent_) {
@@ -118,10 +119,15 @@ class Supervisor {
     constexpr long kFew = kMostProcesses / 4;
     const long all = all_tasks();
     usual_tasks_ = usual_tasks_ < 0 ? all : std::min(usual_tasks_, all);
-    if (all - usual_tasks_ < kFew) return false;
+    if (all - usual_tasks_ < kFew || is_stopped_) return false;
+    // The more there are, the longer it takes to count them: meanwhile they start no others.
+    const bool may_be_flood = all - usual_tasks_ > static_cast<long>(kMostProcesses);
+    if (may_be_flood) kill(-child_, SIGSTOP);
     const std::size_t own = descendants_of(getpid(), kName).size();
     usual_tasks_ = all - static_cast<long>(own);
-    return own > kMostProcesses;
+    if (own > kMostProcesses) return true;
+    if (may_be_flood) kill(-child_, SIGCONT);
+    return false;
   }
 
   /// True if much output was printed since the last call.
@@ -136,6 +142,7 @@ class Supervisor {
   }
 
   pid_t child_, parent_;
+  bool is_stopped_ = false;  ///< by the terminal
   long usual_tasks_ = -1;
 };
 
@@ -178,7 +185,9 @@ void go_on_supervised(int output) {
   if (child == 0) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != supervisor) _exit(1);
-    setpgid(0, 0);
+    // This separates the scheduling groups too: without the right to come before others, the
+    // supervisor has half of a processor however many processes the child starts.
+    setsid();
     if (const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC); nothing > 0) {
       dup2(nothing, STDIN_FILENO);
       close(nothing);

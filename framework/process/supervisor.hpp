@@ -11,7 +11,7 @@ constexpr std::size_t kMostProcesses = 256;
 constexpr int kTooManyProcesses = 97;  ///< exit code of its supervisor where there were more
 
 /// Splits this process, which must have one thread. It becomes a supervisor, and the call returns
-/// in its child, which has a separate process group and no input.
+/// in its child, which has a separate session, no terminal and no input.
 ///
 /// The supervisor ends as the child ends. Before that it ends every process that the child has
 /// started, in any session or group. It is their subreaper (see prctl(2)), so that they stay its

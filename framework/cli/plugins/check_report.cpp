@@ -48,6 +48,9 @@ std::string counted(const conformance::Report& report) {
   const auto add = [&](conformance::Verdict verdict, const char* words) {
     if (report.count(verdict) > 0) text += fmt::format(", {} {}", report.count(verdict), words);
   };
+  const auto reduced =
+      std::count_if(report.findings.begin(), report.findings.end(), conformance::is_reduced);
+  if (reduced > 0) text += fmt::format(" ({} reduced)", reduced);
   add(conformance::Verdict::fails, "fail");
   add(conformance::Verdict::deviates, "deviate");
   add(conformance::Verdict::does_not_apply, "do not apply");

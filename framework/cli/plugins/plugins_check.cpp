@@ -2,7 +2,9 @@
 #include "cli/plugins/plugins_check.hpp"
 
 #include <fmt/core.h>
+#include <sched.h>
 
+#include <algorithm>
 #include <memory>
 #include <weft/core/whole_file.hpp>
 
@@ -13,22 +15,30 @@ namespace weft::cli {
 namespace {
 
 constexpr int kContractBroken = 1;
+constexpr double kEffortForAll = 0.1;  ///< of the checks that repeat calls
 
 struct CheckOptions {
   conformance::Asked asked;
   conformance::Choice choice;
   std::string junit;
-  bool json = false, verbose = false, list = false;
+  int jobs = 0;  ///< 0: one per available processor
+  bool full = false, json = false, verbose = false, list = false;
 };
+
+int available_processors() {
+  cpu_set_t set;
+  const bool is_known = sched_getaffinity(0, sizeof(set), &set) == 0;
+  return is_known ? std::max(CPU_COUNT(&set), 1) : 1;
+}
 
 std::vector<conformance::Report> made(const std::vector<conformance::Candidate>& candidates,
                                       const CheckOptions& options) {
   std::vector<conformance::Report> reports;
-  for (const conformance::Candidate& candidate : candidates) {
-    std::fflush(stdout);  // or the copy of this process would hold it too
-    reports.push_back(conformance::check(candidate, options.choice));
-    if (!options.json) print_report(reports.back(), options.verbose);
-  }
+  const int jobs = options.jobs > 0 ? options.jobs : available_processors();
+  conformance::check_all(candidates, options.choice, jobs, [&](const conformance::Report& report) {
+    reports.push_back(report);
+    if (!options.json) print_report(report, options.verbose);
+  });
   return reports;
 }
 
@@ -51,6 +61,7 @@ void check_plugins(CheckOptions options, Context& context) {
                   kBadConfiguration);
   }
   options.asked.plugin_folders = context.plugin_path;
+  if (options.asked.all && !options.full) options.choice.effort = kEffortForAll;
   const auto candidates = conformance::candidates(options.asked);
   if (!candidates) {
     const bool is_file = candidates.error().code == Errc::io;
@@ -89,6 +100,11 @@ void add_check_of_plugins(CLI::App& plugins, Context& context) {
                    "Ids (role/name), libraries (.so) or manifests")
       ->type_name("");
   command->add_flag("--all", options->asked.all, "Every installed plugin");
+  command->add_flag("--full", options->full,
+                    "With --all, also make all repetitions; --all reduces some checks to a tenth");
+  command->add_option("--jobs", options->jobs, "Components at once; by default one per CPU core")
+      ->check(CLI::PositiveNumber)
+      ->option_text("N");
   command->add_flag("--brief", options->choice.brief, "What takes a second or two");
   command
       ->add_option("--only", options->choice.only,

@@ -68,7 +68,8 @@ Result<Instance*> ExecutionContext::instantiate(const ComponentSpec& spec, const
   values.insert(values.end(), handles.values().begin(), handles.values().end());
   void* self = nullptr;
   weft_error error = kNoError;
-  const weft_create with = made_from(values);
+  weft_create with = made_from(values);
+  with.host = &host_table();  // a component may keep it and use it in its calls
   const ProcessState before;
   const std::int32_t status =
       call_library(error, [&] { return made->table->create(&with, &self, &error); });
@@ -128,6 +129,9 @@ Result<void> ExecutionContext::prepare_here(Instance& instance,
   for (Instance* nested : instance.nested) {
     if (auto ready = prepare_here(*nested, inputs); !ready) return ready;
   }
+  const bool gets_template =
+      instance.rules.part != PipelinePart::source && instance.rules.part != PipelinePart::templ;
+  if (!gets_template) return {};
   if (cancellation_.is_requested()) return not_begun(instance.id);
   Scope scope{*this, instance, nullptr, {kOfflineFrame, 0, kOfflineFrame, 0}};
   const weft_call call = make_call(instance, scope, 0);
@@ -229,14 +233,19 @@ void ExecutionContext::warn(const std::string& stage, const std::string& text) c
   if (log_) log_(stage, kWarning, text, kOfflineFrame);
 }
 
-std::int32_t ExecutionContext::call_here(const Instance& instance, const weft_call& call,
+std::int32_t ExecutionContext::call_here(Instance& instance, const weft_call& call,
                                          std::span<const weft_record> inputs,
                                          std::uint64_t run_frame, weft_error& error) const {
   bool kept_mode = true;
   const auto process = [&] {
     return instance.table->process(instance.self, &call, inputs.data(), inputs.size(), &error);
   };
+  std::optional<ProcessState> before;
+  if (instance.is_watched) before.emplace();
   const std::int32_t status = call_library(error, process, &kept_mode);
+  const std::string changes = before ? before->restore("in a call") : "";
+  instance.is_watched = !changes.empty();
+  if (instance.is_watched && log_) log_(instance.name, kWarning, changes, run_frame);
   constexpr const char* kChanged = "left the floating-point mode changed; it was set back";
   if (!kept_mode && log_) log_(instance.name, kWarning, kChanged, run_frame);
   return status;

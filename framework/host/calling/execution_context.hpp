@@ -130,7 +130,7 @@ class ExecutionContext {
   Outcome finish(Instance& instance, Scope& scope, std::span<const weft_record> inputs,
                  std::int32_t status, const weft_error& error);
   weft_call make_call(const Instance& instance, Scope& scope, int method) const;
-  std::int32_t call_here(const Instance& instance, const weft_call& call,
+  std::int32_t call_here(Instance& instance, const weft_call& call,
                          std::span<const weft_record> inputs, std::uint64_t run_frame,
                          weft_error& error) const;
   std::int32_t call_worker(Instance& instance, Scope& scope, int method,

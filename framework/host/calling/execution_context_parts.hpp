@@ -55,6 +55,7 @@ class Instance {
                                           ///< evaluate it
   bool running = false;
   bool is_let_finish = false;  ///< its calls are not cancelled
+  bool is_watched = true;  ///< its first call, and each after one that changed the process state
 };
 
 /// The answer of a nested component to a call, which lives as long as the call.

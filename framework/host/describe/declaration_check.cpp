@@ -104,6 +104,9 @@ std::string wrong_declaration(const weft_parameter& parameter) {
   if (parameter.struct_size < kFirstSize<weft_parameter>) {
     return "a parameter is declared with a struct_size that is too small";
   }
+  if ((parameter.flags & kMustBeKnown) != 0) {
+    return "a parameter requires a feature that this version of Weft lacks";
+  }
   const char* name = parameter.default_value.name;
   if (name == nullptr || *name == '\0') return "a parameter has no name";
   if (!is_utf8(name)) return "a parameter has a name that is no UTF-8";
@@ -119,6 +122,9 @@ std::string wrong_declaration(const weft_parameter& parameter) {
 std::string wrong_field(const weft_field& field) {
   if (field.struct_size < kFirstSize<weft_field>) {
     return "an array of a record is declared with a struct_size that is too small";
+  }
+  if ((field.flags & kMustBeKnown) != 0) {
+    return "an array of a record requires a feature that this version of Weft lacks";
   }
   for (const char* text : {field.name, field.shape, field.unit, field.meaning}) {
     if (text == nullptr)

@@ -19,7 +19,7 @@ inline const void* host_extension(const weft_host* /*host*/, void* /*context*/,
   return nullptr;
 }
 
-/// The arguments that create a component without a running call. Its host answers no calls.
+/// The arguments that create a component to check its parameters. Its host answers no calls.
 inline weft_create made_from(const std::vector<weft_value>& values) {
   static constexpr weft_host kHost{sizeof(weft_host), WEFT_ABI_MAJOR, WEFT_ABI_MINOR, kHostName,
                                    kVersion,          nullptr,        nullptr,        nullptr,

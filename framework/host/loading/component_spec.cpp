@@ -204,7 +204,7 @@ class Binder {
     for (const yaml::Node& item : value.items) {
       const std::optional<Number> number = read(item);
       if (!number) wrong(parameter, item, with_unit(expected, parameter));
-      if (!number || !in_range(parameter, item, static_cast<double>(*number))) return std::nullopt;
+      if (!number || !in_range(parameter, item, *number)) return std::nullopt;
       numbers.push_back(*number);
     }
     return numbers;
@@ -213,7 +213,7 @@ class Binder {
   void bind_integer(const ParameterSpec& parameter, const yaml::Node& value) {
     const auto number = yaml::as_int64(value);
     if (!number) return wrong(parameter, value, with_unit("a whole number", parameter));
-    if (in_range(parameter, value, static_cast<double>(*number))) {
+    if (in_range(parameter, value, *number)) {
       spec_.arguments.add_integer(parameter.name, *number);
     }
   }

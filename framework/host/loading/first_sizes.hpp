@@ -4,8 +4,12 @@
 #include <weft/abi.h>
 
 #include <cstddef>
+#include <cstdint>
 
 namespace weft::host {
+
+/// The flags that a host must not ignore.
+inline constexpr std::uint32_t kMustBeKnown = 0xFFFF0000U;
 
 /// [bytes] size of a struct of the contract in version 1.0. A host accepts this size from a library
 /// even if the struct has grown since. Members behind it must be looked for in struct_size first.

@@ -110,9 +110,6 @@ boost::dll::shared_library open_library(const std::string& file,
   return library;
 }
 
-/// The flags that a host must not ignore.
-constexpr std::uint32_t kMustBeKnown = 0xFFFF0000U;
-
 }  // namespace
 
 std::string abi_version() {

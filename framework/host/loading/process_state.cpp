@@ -167,7 +167,7 @@ class Priority {
   int policy_ = sched_getscheduler(0);
 };
 
-/// Of the C library and of C++ streams.
+/// Locales of the C library and of C++ streams.
 class Locale {
  public:
   std::string text() const { return c_ + ", of C++ " + cpp_.name(); }

@@ -8,7 +8,7 @@
 
 namespace weft::host {
 
-/// What a library shares with the process that it runs in, besides memory: resource limits, timers,
+/// State that a library shares with its process, besides memory: resource limits, timers,
 /// signals, CPU affinity, priority, locale, environment, umask, working directory and terminate
 /// handler. A library must leave all of it as it was. The affinity, the priority and the mask of
 /// signals are those of this thread.
@@ -31,7 +31,7 @@ class ProcessState {
   /// A part of it, as text, or an empty text.
   std::string text(std::string_view part) const;
 
-  /// What differs now.
+  /// The parts that differ now.
   std::vector<Change> changes() const;
 
   /// Restores what differs now. Returns a sentence for a warning, or an empty text: "the process

@@ -27,7 +27,6 @@ std::optional<Legal> legal_values(std::string_view type, const Field& field) {
   if (unit == "0 to 1") return Legal{-kRounding, 1.0 + kRounding, "0 to 1"};
   if (unit == "-1 to 1") return Legal{-1.0 - kRounding, 1.0 + kRounding, "-1 to 1"};
   if (unit == "-1, 0 or 1") return Legal{-1.0, 1.0, "-1, 0 or 1"};
-  if (type == Visibility::kType && name == "reason") return Legal{0.0, 4.0, "0 to 4"};
   if (type == Shape::kType && name == "state") return Legal{1.0, 4.0, "1 to 4"};
   if (type == Sightlines::kType && name == "weight") {
     return Legal{0.0, std::numeric_limits<double>::infinity(), "0 or more"};

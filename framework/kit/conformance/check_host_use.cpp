@@ -28,8 +28,8 @@ using std::chrono::milliseconds;
 constexpr int kMostTexts = 100;
 constexpr std::size_t kLongestText_bytes = 4096;
 constexpr milliseconds kLateUse{200};  ///< given to threads that outlive their instance
-constexpr std::chrono::seconds kLongestExit{20};
-constexpr int kEnded = 87;  ///< exit code of a process that ended by itself
+constexpr std::chrono::seconds kLongestExit{10};
+constexpr int kEndedByItself = 87;  ///< exit code of a process that ended by itself
 
 bool is_control(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
 
@@ -103,7 +103,7 @@ void check_heard(Play& play, bool (*is_meant)(std::string_view), Page& page) {
 
 }  // namespace
 
-void check_structs(Play& play, Page& page) {
+void check_structs(Play& play) {
   const std::size_t threads = count_threads();
   SealedHost host;
   play.whole({.passage = &host});
@@ -127,7 +127,7 @@ void check_exit(Play& play, Page& page) {
                       std::fflush(nullptr);
                       static_cast<void>(!ftruncate(STDOUT_FILENO, 0));  // what it printed in calls
                       static_cast<void>(!write(pipe, "e", 1));
-                      std::exit(kEnded);
+                      std::exit(kEndedByItself);
                     },
                     .out = process::kMemory,
                     .err = process::kMemory});
@@ -146,7 +146,7 @@ void check_exit(Play& play, Page& page) {
   } else if (ending.signal != 0) {
     page.fail(fmt::format("the end of the program is ended by {}: {}",
                           process::signal_text(ending.signal), kFix));
-  } else if (ending.exit_code != kEnded) {
+  } else if (ending.exit_code != kEndedByItself) {
     page.fail(
         fmt::format("it changes the exit code of the program to {}: {}", ending.exit_code, kFix));
   }

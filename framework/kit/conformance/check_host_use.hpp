@@ -7,8 +7,8 @@
 /// How a component uses the host that calls it, and what it leaves to the end of the process.
 namespace weft::conformance {
 
-/// Checks that the structs of a call are only read, and not used once it has returned.
-void check_structs(Play& play, Page& page);
+/// Faults where the structs of a call are written, or used once it has returned.
+void check_structs(Play& play);
 
 /// Checks its texts for the log.
 void check_log(Play& play, Page& page);

@@ -14,7 +14,7 @@
 namespace weft::conformance {
 namespace {
 
-constexpr std::chrono::milliseconds kBetween{200};
+constexpr std::chrono::milliseconds kUntilNextLook{200};
 constexpr double kSleeping = 0.02;  ///< most CPU time, as a part of wall-clock time
 constexpr int kWhole = 86;          ///< exit code of a process that came to the end of its checks
 
@@ -74,14 +74,22 @@ Finding failure(const Notes& notes, const std::string& first, const std::string&
 void remark_on_end(const char* text) { Notebook::remark(remarks_to, text); }
 
 bool Deadline::is_over(const std::string& written) {
-  if (written.size() > size_) last_ = looked_ = Clock::now();
-  size_ = written.size();
   const auto now = Clock::now();
-  if (now - last_ <= longest_ || now - looked_ <= kBetween) return false;
+  if (written.size() > size_) {
+    begun_ = looked_ = window_ = now;
+    window_used_ms_ = 0.0;
+  }
+  size_ = written.size();
+  if (now - begun_ <= longest_ || now - looked_ <= kUntilNextLook) return false;
   looked_ = now;
-  const std::chrono::duration<double, std::milli> longest = longest_, waited = now - last_;
+  const std::chrono::duration<double, std::milli> longest = longest_, waited = now - window_;
   const double used_ms = descendants_processor_ms() - read_notes(written).begun_ms;
-  return used_ms > longest.count() || used_ms < kSleeping * waited.count();
+  if (used_ms > longest.count()) return true;
+  if (waited < longest) return false;
+  const bool is_asleep = used_ms - window_used_ms_ < kSleeping * waited.count();
+  window_ = now;
+  window_used_ms_ = used_ms;
+  return is_asleep;
 }
 
 std::vector<Finding> check_in_child(const std::string& first, const Choice& choice,

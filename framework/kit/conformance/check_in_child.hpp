@@ -23,7 +23,9 @@ class Deadline {
   using Clock = std::chrono::steady_clock;
   std::chrono::seconds longest_;
   std::size_t size_ = 0;
-  Clock::time_point last_ = Clock::now(), looked_ = last_;
+  Clock::time_point begun_ = Clock::now(), looked_ = begun_;
+  Clock::time_point window_ = begun_;  ///< when its use of CPUs was compared last
+  double window_used_ms_ = 0.0;        ///< CPU time of the check until then
 };
 
 /// Makes checks in a separate process, a copy of this one, which must have one thread. A crash, an

@@ -2,6 +2,7 @@
 // Checks on the resources that a component takes and on the process state that it must preserve.
 #include <fmt/format.h>
 #include <sys/mman.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -22,7 +23,7 @@ constexpr std::chrono::duration<double> kCallingTime{2.0};  ///< CPU time
 constexpr std::int64_t kMostGrowth = 1 << 20;               ///< [bytes] of the process
 constexpr double kMostLeft = 128.0;                         ///< [bytes] of the heap, by a call
 
-/// A file of its own for stdout, which otherwise has the messages of stderr too.
+/// Separates stdout from stderr: check_in_child() writes both into one file.
 void print_into_memory() {
   const int file = memfd_create("stdout", MFD_CLOEXEC);
   if (file < 0) return;
@@ -120,6 +121,15 @@ void check_threads(Play& play, Page& page) {
   page.expect(after <= before, fmt::format("{} instances leave {} threads behind: end them in the "
                                            "destructor",
                                            kInstances, after - before));
+}
+
+void check_processes(Play& play, Page& page) {
+  play.whole();
+  siginfo_t info{};
+  const bool has_child = waitid(P_ALL, 0, &info, WEXITED | WNOHANG | WNOWAIT) == 0;
+  page.expect(
+      !has_child,
+      "it leaves a process behind: wait for what fork() starts, and end the copy by _exit()");
 }
 
 /// Calls for a while, each of the two frames as often, so that it ends as it began; how many were
@@ -225,6 +235,7 @@ void check_limits(const Setting& setting, Notebook& notebook) {
   notebook.check("limits/seed", [&](Page& page) { check_seed(play, page); });
   notebook.check("limits/descriptors", [&](Page& page) { check_descriptors(play, page); });
   notebook.check("limits/threads", [&](Page& page) { check_threads(play, page); });
+  notebook.check("limits/processes", [&](Page& page) { check_processes(play, page); });
   notebook.check("limits/isolated", [&](Page& page) { check_isolated(play, page); });
   notebook.check("limits/memory", [&](Page& page) { check_memory(play, effort, page); });
   notebook.check("limits/large", [&](Page& page) { check_large(setting, effort, page); });

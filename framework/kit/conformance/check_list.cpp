@@ -160,6 +160,9 @@ std::vector<CheckInfo> of_geometry() {
 
 std::vector<CheckInfo> of_calls_and_limits() {
   return {
+      {"calls/exit",
+       "A program that has used it ends with `exit`: without a crash, a text, or another exit "
+       "code."},
       {"calls/repeated",
        "A frame that is requested twice is answered by the same bytes (by numbers within 0.001 of "
        "the largest where `determinism` is `tolerance`, here and below)."},
@@ -176,9 +179,6 @@ std::vector<CheckInfo> of_calls_and_limits() {
       {"calls/log",
        "Texts for the log are lines of UTF-8 of at most 4096 bytes, and at most 100 in a call."},
       {"calls/invocations", "It invokes only components that it was given."},
-      {"calls/exit",
-       "A program that has used it ends with `exit`: without a crash, a text, or another exit "
-       "code."},
       {"calls/sanitized",
        "Two instances at once have no data race: only a build with ThreadSanitizer detects it, so "
        "never here."},
@@ -198,6 +198,7 @@ std::vector<CheckInfo> of_calls_and_limits() {
        "The seed matters only to a component that declares `random`, or contains one that does."},
       {"limits/descriptors", "Instances leave no file open."},
       {"limits/threads", "Once destroyed, instances leave no thread behind."},
+      {"limits/processes", "Nor do they leave a process behind."},
       {"limits/isolated", "In a separate process it gives the same bytes."},
       {"limits/memory",
        "10,000 calls, or as many as fit into 2 s of CPU time and at least 10, grow the process by "

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,11 @@ struct Report {
 /// Checks that a component conforms to the binary contract and to that of its role. Each group of
 /// checks runs in a separate process, a copy of this one, which must have one thread.
 Report check(const Candidate& candidate, const Choice& choice);
+
+/// The same for several, `jobs` of them at once, each in a separate process. `done` gets the
+/// reports in the order of the candidates.
+void check_all(const std::vector<Candidate>& candidates, const Choice& choice, int jobs,
+               const std::function<void(const Report&)>& done);
 
 /// True if there is a group or a check of this name.
 bool is_known(const std::string& group_or_check);

@@ -15,7 +15,7 @@
 namespace weft::conformance {
 namespace {
 
-constexpr int kMostWaiting = 4;  ///< wall-clock time, in units of CPU time
+constexpr int kWallPerCpu = 4;  ///< wall-clock time, in units of CPU time
 
 double ms_of(const timeval& time) {
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-3 * static_cast<double>(time.tv_usec);
@@ -53,7 +53,7 @@ double descendants_processor_ms() {
 
 Budget::Budget(std::chrono::duration<double, std::milli> time)
     : end_ms_(processor_ms() + time.count()),
-      latest_(Clock::now() + std::chrono::duration_cast<Clock::duration>(kMostWaiting * time)) {}
+      latest_(Clock::now() + std::chrono::duration_cast<Clock::duration>(kWallPerCpu * time)) {}
 
 bool Budget::is_over() const { return processor_ms() > end_ms_ || Clock::now() > latest_; }
 

@@ -228,7 +228,7 @@ Result<host::Instance*> Performer::made(const Subject& subject) {
     });
     if (status != WEFT_OK) return host::plugin_error(status, error, instance.id);
     std::swap(instance.self, again);
-    host::call_library(error, [&] { return component.destroy(again), WEFT_OK; });
+    host::call_library(error, [&] { return how_.passage->destroy(component, again), WEFT_OK; });
   }
   weft_component table = component;
   table.prepare = &Passed::prepare;

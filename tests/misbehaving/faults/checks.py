@@ -110,6 +110,22 @@ FAULTS = {
         creates_one_at_a_time all
         crashes_prepared_twice prepared
         crashes_unprepared prepared
+        writes_call stages
+        writes_host stages
+        writes_record stages
+        writes_array_entry stages
+        swaps_arrays stages
+        keeps_call stages
+        logs_escape stages
+        logs_lines stages
+        logs_bad_text stages
+        logs_huge stages
+        logs_often stages
+        invokes_others stages
+        crashes_at_exit stages
+        destructor_crashes stages
+        prints_at_exit stages
+        changes_exit_code stages
         """,
     "limits": """
         slow_to_cancel stages
@@ -124,6 +140,11 @@ FAULTS = {
         changes_folder stages
         changes_umask stages
         changes_environment stages
+        limits_files stages
+        starts_timer stages
+        changes_priority stages
+        changes_terminate stages
+        prints stages
         uses_global_generator stages
         undeclared_seed stages no_random
         differs_in_worker stages

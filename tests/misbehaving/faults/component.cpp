@@ -95,6 +95,7 @@ std::int32_t process(void* self, const weft_call* call, const weft_record* input
   read_host(*call);
   if (has("answers_all_methods") && call->method > 1) return WEFT_OK;
   Inputs passed(inputs, inputs + count);
+  misuse_host(*call, passed, inputs);
   if (has("crashes_with_nothing") && has_nothing(passed)) std::abort();
   if (has("hangs_on_large_input") && is_large(passed)) sleep_for_ever();
   if (has("deaf") && is_large(passed)) std::this_thread::sleep_for(3s);

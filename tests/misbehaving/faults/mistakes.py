@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import os
+
 from trials import ALL_GOOD, ID, LIBRARY, ONE_LOST, Case, Ask, Sandbox
 
 SWEEP = 'extensions: ["weft.sweep/1"]'  # extension of the library without a fault
@@ -62,6 +64,19 @@ def fails(name: str, says: str) -> Case:
     expected = f"first error of filters: frame 1 .*{ID}: {says}"
     return Case(name, [Ask("run", expected, 1, ONE_LOST, "one frame lost"),
                          Ask("isolated", expected, 1, ONE_LOST, "one frame lost")])
+
+
+def restored(fault: str, part: str, when: str = "in a call") -> Case:
+    """Changes what all components share: told, and restored, so that the run is not disturbed."""
+    says = rf"filters: the process state changed {when}: {part} \((restored|cannot be restored)\)"
+    return Case(fault, [Ask(command, says, 0, ALL_GOOD, "restored, told")
+                        for command in ("run", "isolated")])
+
+
+def contained(fault: str, **more: object) -> Case:
+    """Disturbs neither the frames nor the end of the program."""
+    return Case(fault, [Ask(command, "4 frames, 0 failed", 0, ALL_GOOD, "goes on")
+                        for command in ("run", "isolated")], **more)
 
 
 def with_check(sandbox: Sandbox) -> None:
@@ -240,8 +255,28 @@ OF_CALLS = [
     Case("close_all", [
         Ask("run", "", "fails", verdict="ended: it closed stderr, too"),
         Ask("isolated", f"{ID}: its worker ", 1, ONE_LOST, "one frame lost")]),
-    Case("changes_folder", [Ask("run", "4 frames, 0 failed", 0, ALL_GOOD, "goes on")]),
+    restored("limits_files", "resource limits"),
+    restored("starts_timer", "timers"),
+    *([restored("changes_affinity", "CPU affinity")] if len(os.sched_getaffinity(0)) > 1 else []),
+    restored("changes_priority", "priority"),
+    restored("changes_signal_handler", "signals"),
+    restored("changes_signal_mask", "signals"),
+    restored("changes_locale", "locale"),
+    restored("changes_locale_of_streams", "locale"),
+    restored("changes_folder", "working directory"),
+    restored("clears_environment", "environment"),
+    restored("changes_time_zone", "environment"),
+    restored("changes_terminate", "terminate handler"),
+    restored("changes_umask", "umask"),
+    *[restored(f"changes_umask@{place}", "umask", f"while it was {what}")
+      for place, what in (("load", "loaded"), ("create", "created"), ("prepare", "prepared"))],
+    contained("changes_umask@destroy"),  # restored, after the last message of the run
+    contained("returns_twice"),
+    contained("crashes_at_exit", sanitized=False),
+    contained("hangs_at_exit", sanitized=False),
+    Case("prints", [Ask("isolated", "4 frames, 0 failed", 0, ALL_GOOD, "kept out of the output",
+                        "nobody asked for")]),
     *[Case(name, [Ask(command, "left the floating-point mode changed; it was set back .4 of 4", 0,
                         ALL_GOOD, "set back, told") for command in ("run", "isolated")])
-      for name in ("changes_rounding", "flushes_denormals")],
+      for name in ("changes_rounding", "changes_precision", "flushes_denormals")],
 ]

@@ -63,14 +63,14 @@ void lower_precision() {
 }
 
 /// Numbers with a decimal comma.
-struct Comma : std::numpunct<char> {
+struct DecimalComma : std::numpunct<char> {
   char do_decimal_point() const override { return ','; }
 };
 
 void change_numbers() {
   if (has("changes_precision")) lower_precision();
   if (has("changes_locale_of_streams")) {
-    std::locale::global(std::locale(std::locale(), new Comma));
+    std::locale::global(std::locale(std::locale(), new DecimalComma));
   }
   if (has("changes_locale")) setlocale(LC_ALL, "C.UTF-8");
   if (has("changes_rounding")) std::fesetround(FE_UPWARD);
@@ -114,7 +114,9 @@ void change_kernel_settings() {
   if (has("limits_files")) limit_files();
   if (has("starts_timer")) start_timer();
   if (has("changes_affinity")) run_on_one_processor();
-  if (has("changes_priority")) setpriority(PRIO_PROCESS, 0, 5);
+  if (has("changes_priority")) {
+    setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + 1);
+  }
 }
 
 void change_surroundings() {
@@ -127,7 +129,7 @@ void change_surroundings() {
   if (has("changes_time_zone")) setenv("TZ", "XYZ-3", 1);
 }
 
-/// Of its own at the end of the process, and for uncaught exceptions.
+/// Handlers for the end of the process and for uncaught exceptions.
 void register_handlers() {
   if (has("crashes_at_exit")) std::atexit(write_where_nothing_is);
   if (has("hangs_at_exit")) std::atexit([] { sleep_for_ever(); });
@@ -145,7 +147,6 @@ void disturb_process(std::string_view place) {
   change_surroundings();
   register_handlers();
   if (has("prints")) std::puts("{\"what\": \"nobody asked for\"}");
-  while (has("forks_without_end")) static_cast<void>(fork());
   if (has("returns_twice")) static_cast<void>(fork());
   if (!has("uses_global_generator")) return;
   [[maybe_unused]] const int drawn = rand();

@@ -8,7 +8,9 @@
 #include <set>
 
 #include "../misbehaving.hpp"
+#include "kit/conformance/check_in_child.hpp"
 #include "kit/conformance/check_list.hpp"
+#include "kit/conformance/groups.hpp"
 
 namespace weft::misbehaving {
 namespace {
@@ -108,19 +110,48 @@ const Broken kBroken[] = {
     {"shares_instances", "calls/at_once", "differs"},
     {"crashes_prepared_twice", "calls/prepared_twice", "ended by signal 6"},
     {"crashes_unprepared", "calls/unprepared", "ended by signal 6"},
+    {"writes_call", "calls/structs", "it wrote into its weft_call: ended by signal 11"},
+    {"writes_host", "calls/structs", "it wrote into the function table of the host: ended by"},
+    {"writes_record", "calls/structs", "it wrote into the records of its inputs: ended by"},
+    {"writes_array_entry", "calls/structs", "it wrote into the array entries of its inputs: ended"},
+    {"swaps_arrays", "calls/structs", "it wrote into the array entries of its inputs: ended by"},
+    {"keeps_call", "calls/structs", "after a call had returned it used its weft_call: ended by"},
+    {"logs_escape", "calls/log", "the control character 0x1b"},
+    {"logs_lines", "calls/log", "the control character 0x0a"},
+    {"logs_bad_text", "calls/log", "no UTF-8"},
+    {"logs_huge", "calls/log", "more than 4096 bytes"},
+    {"logs_often", "calls/log", "more than 100 texts in a call"},
+    {"invokes_others", "calls/invocations", "it invokes the handle 1, which it was not given"},
+    {"crashes_at_exit", "calls/exit", "the end of the program is ended by signal 11"},
+    {"destructor_crashes", "calls/exit", "the end of the program is ended by signal 11"},
+    {"hangs_at_exit", "calls/exit", "does not end after its calls"},
+    {"prints_at_exit", "calls/exit", "it prints 'a last word' when the program ends"},
+    {"changes_exit_code", "calls/exit", "it changes the exit code of the program to 3"},
     {"changes_locale", "limits/locale", "changes it"},
+    {"changes_locale_of_streams", "limits/locale", "changes it"},
 #if defined(__x86_64__)
     {"flushes_denormals", "limits/floating_point", "process changes it"},
+    {"changes_precision", "limits/floating_point", "process changes it"},
     {"load_flushes", "load/floating_point", "-ffast-math"},
 #endif
     {"changes_signal_handler", "limits/signals", "changes it"},
     {"changes_folder", "limits/working_directory", "changes it"},
     {"changes_umask", "limits/umask", "changes it"},
     {"changes_environment", "limits/environment", "changes it"},
+    {"limits_files", "limits/process", "process changes it, from '1: "},
+    {"starts_timer", "limits/process", "to 'timers: armed"},
+    {"changes_priority", "limits/process", "to 'priority: nice "},
+    {"changes_terminate", "limits/process", "to 'terminate handler"},
+    {"changes_umask@load", "limits/umask", "loading changes it"},
+    {"changes_umask@create", "limits/umask", "create changes it"},
+    {"changes_umask@prepare", "limits/umask", "prepare changes it"},
+    {"changes_umask@destroy", "limits/umask", "destroy changes it"},
+    {"prints", "limits/silent", "process prints: use weft_host.log"},
     {"uses_global_generator", "limits/generator", "rand()"},
     {"undeclared_seed", "limits/seed", "with another seed"},
     {"leaks_descriptor", "limits/descriptors", "open files behind"},
     {"leaves_thread", "limits/threads", "threads behind"},
+    {"returns_twice", "limits/processes", "leaves a process behind"},
     {"leaks_memory", "limits/memory", "MiB, time after time"},
     {"leaks_slowly", "limits/memory", "bytes of the heap"},
     {"needs_much_memory", "limits/large", "16 GiB are not enough"},
@@ -133,7 +164,7 @@ INSTANTIATE_TEST_SUITE_P(Conformance, BrokenPlugin, ::testing::ValuesIn(kBroken)
                            std::string name = broken.param.check;
                            if (!broken.param.is_other())
                              name += std::string("_") + broken.param.fault;
-                           std::replace(name.begin(), name.end(), '/', '_');
+                           for (char& c : name) c = c == '/' || c == '@' ? '_' : c;
                            return name;
                          });
 
@@ -163,6 +194,57 @@ TEST(Conformance, ComparesTheManifestWithWhatTheLibrarySays) {
   const auto of_default = checked(faulty.path(), kFaulty, "{}", "parameters/defaults");
   ASSERT_EQ(of_default.findings.size(), 1u);
   EXPECT_THAT(of_default.findings[0].seen, HasSubstr("default 7 is outside 0 to 1"));
+}
+
+TEST(Conformance, ChecksSeveralComponentsAtOnceAndReportsThemInTheirOrder) {
+  const FaultyFolder faulty("logs_lines");
+  conformance::Asked asked;
+  asked.subjects = {kFaulty, "filters/test_truthful", kFaulty};
+  asked.plugin_folders = {faulty.path(), kUnruly};
+  const auto candidates = conformance::candidates(asked);
+  ASSERT_TRUE(candidates);
+  std::vector<std::string> reported;
+  conformance::check_all(*candidates, {"calls/log", false}, 2, [&](const auto& report) {
+    ASSERT_EQ(report.findings.size(), 1u);
+    reported.push_back(report.id + " " + to_text(report.findings[0].verdict));
+  });
+  EXPECT_THAT(reported,
+              ::testing::ElementsAre("filters/test_faulty fails", "filters/test_truthful holds",
+                                     "filters/test_faulty fails"));
+}
+
+TEST(Conformance, ReportsHowManyRepetitionsABudgetLeft) {
+  const FaultyFolder faulty("");
+  const auto made = [&](double effort) {
+    conformance::Asked asked;
+    asked.subjects = {kFaulty};
+    asked.plugin_folders = {faulty.path()};
+    const auto candidates = conformance::candidates(asked);
+    if (!candidates) throw std::runtime_error(candidates.error().message);
+    return conformance::check(candidates->front(), {"parameters/pairs", false, effort});
+  };
+  const auto none = made(0.0), all = made(1.0);
+  ASSERT_EQ(none.findings.size(), 1u);
+  EXPECT_EQ(none.findings[0].seen, "reduced: 0 of 200 pairs");
+  EXPECT_TRUE(conformance::is_reduced(none.findings[0]));
+  ASSERT_EQ(all.findings.size(), 1u);
+  EXPECT_EQ(all.findings[0].seen, "200 pairs");
+}
+
+TEST(Conformance, EndsAComponentThatLogsForEver) {
+  const FaultyFolder faulty("logs_for_ever");
+  conformance::Asked asked;
+  asked.subjects = {kFaulty};
+  asked.plugin_folders = {faulty.path()};
+  const auto candidates = conformance::candidates(asked);
+  ASSERT_TRUE(candidates);
+  const conformance::Setting setting(candidates->front());
+  const auto findings = conformance::check_in_child(
+      "calls/log", {"calls/log", false}, std::chrono::seconds(1),
+      [&](conformance::Notebook& notebook) { conformance::check_calls(setting, notebook); });
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_THAT(findings[0].seen,
+              HasSubstr("it logs more than 100 texts in a call: not done after 1 s"));
 }
 
 TEST(Conformance, NamesTheCheckThatACrashOrAnExitEnds) {

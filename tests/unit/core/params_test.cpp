@@ -289,6 +289,20 @@ TEST(Params, AnIntNeverWrapsAround) {
   EXPECT_EQ(declared_by<Bounded>()[2].maximum, std::numeric_limits<int>::max());
 }
 
+/// A number up to 2^53, above which a double has no odd integers.
+struct Exact {
+  std::int64_t count = 0;
+
+  explicit Exact(Params& p) { p.read("count", count, "", {0, 9007199254740992}, "number"); }
+};
+
+TEST(Params, WholeNumbersAreComparedExactlyWithTheEndsOfTheirRange) {
+  const std::int64_t end = std::int64_t{1} << 53, beyond = end + 1;
+  EXPECT_EQ(read_with<Exact>({{"count", WEFT_VALUE_I64, 0, 1, &end, {}}}).second, "");
+  EXPECT_THAT(read_with<Exact>({{"count", WEFT_VALUE_I64, 0, 1, &beyond, {}}}).second,
+              HasSubstr("outside its range"));
+}
+
 TEST(Params, ListsOfWholeNumbersAndTextsAreCheckedAsListsOfNumbersAre) {
   const char* table = "/t";
   const std::int64_t negative = -1, large = std::int64_t{1} << 32;

@@ -225,11 +225,11 @@ TEST(CheckValues, FindsWhatIsNoShareAndLeavesRoundingAlone) {
             "inlier_mask/1: array 'confidence' is -0.250000 where 0 to 1 is expected");
 }
 
-TEST(CheckValues, FindsReasonsStatesAndWeightsThatThereAreNot) {
+TEST(CheckValues, FindsStatesAndWeightsThatThereAreNotAndAcceptsLaterReasons) {
   Visibility seen{
       Array<std::uint8_t>({3}, 1), Array<double>({3}, 1.0), Array<std::uint8_t>({3}, 0), {}};
   seen.reason(2) = 5;
-  EXPECT_THAT(illegal_value(seen), HasSubstr("'reason' holds 5 at [2] where 0 to 4 is expected"));
+  EXPECT_EQ(illegal_value(seen), "") << "reasons are an open set";
   Shape shape;
   shape.vertices_m = Array<double>({1, 3}, 1.0);
   shape.source = Array<std::uint8_t>({1}, 1);

@@ -4,8 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -97,6 +99,43 @@ TEST(ACopy, KeepsAsMuchOfItsPipeAsWasAskedFor) {
   EXPECT_GE((*copy)->out().size(), 100'000U);
   EXPECT_LT((*copy)->out().size(), 105'000U);
 }
+
+TEST(ACopy, HasASessionOfItsOwn) {
+  const auto copy = Child::start(
+      Copy{.work = [](int) { return getsid(0) == getpid() && getpgrp() == getpid() ? 7 : 1; }});
+  ASSERT_TRUE(copy) << copy.error().message;
+  (*copy)->listen(kForEver);
+  EXPECT_EQ((*copy)->ending()->exit_code, 7);
+}
+
+TEST(ACopy, CanWriteNoFileOfMoreThan16GiB) {
+  const auto length_beyond = [](off_t beyond_bytes) {
+    const auto copy = Child::start(Copy{.work = [&](int) {
+      std::signal(SIGXFSZ, SIG_IGN);
+      const int file = memfd_create("large", 0);
+      return ftruncate(file, (off_t{16} << 30) + beyond_bytes) == 0 ? 0 : errno;
+    }});
+    (*copy)->listen(kForEver);
+    return (*copy)->ending()->exit_code;
+  };
+  EXPECT_EQ(length_beyond(0), 0);
+  EXPECT_EQ(length_beyond(1), EFBIG);
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(ACopy, CannotTakeTheMemoryOfTheMachine) {
+  const auto copy = Child::start(Copy{.work = [](int) {
+    const auto all_bytes = static_cast<std::size_t>(sysconf(_SC_PHYS_PAGES)) *
+                           static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    void* volatile memory = std::malloc(all_bytes / 5 * 4);  // never written
+    std::free(memory);
+    return memory == nullptr ? 7 : 1;
+  }});
+  ASSERT_TRUE(copy) << copy.error().message;
+  (*copy)->listen(kForEver);
+  EXPECT_EQ((*copy)->ending()->exit_code, 7);
+}
+#endif
 
 TEST(TheTextOfASignal, HasItsNumberAndName) {
   EXPECT_EQ(signal_text(SIGSEGV), "signal 11 (Segmentation fault)");

@@ -77,7 +77,7 @@ std::int64_t resident_bytes() {
 #endif
 
 std::int64_t printed_bytes() {
-  std::fflush(stdout);
+  std::fflush(nullptr);
   struct stat known {};
   return fstat(STDOUT_FILENO, &known) == 0 ? known.st_size : 0;
 }

@@ -12,7 +12,7 @@
 namespace weft::conformance {
 namespace {
 
-constexpr std::size_t kPage = 4096;
+constexpr std::size_t kSealedPage = 4096;
 
 /// Pages that a signal handler can identify.
 struct Known {
@@ -38,7 +38,7 @@ Known* known_at(const std::byte* start) {
 class SealedHost::Pages {
  public:
   Pages(const char* what, const void* from, std::size_t bytes)
-      : bytes_((bytes / kPage + 1) * kPage),
+      : bytes_((bytes / kSealedPage + 1) * kSealedPage),
         start_(mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)) {
     if (start_ == MAP_FAILED) throw std::bad_alloc();
     if (bytes > 0) std::memcpy(start_, from, bytes);

@@ -1,10 +1,9 @@
-/* SPDX-License-Identifier: Apache-2.0
- * The functions of libzip, so that the kept host links without it. The host never calls them. */
-#include <stdlib.h>
+// SPDX-License-Identifier: Apache-2.0
+// The functions of libzip, so that the kept host links without it. The host never calls them.
+#include <cstdlib>
 
 #define ABSENT(function) \
-  void function(void);   \
-  void function(void) { abort(); }
+  extern "C" void function() { std::abort(); }
 
 ABSENT(zip_close)
 ABSENT(zip_discard)
