@@ -13,7 +13,7 @@
 namespace weft::python {
 namespace {
 
-/// What a record has beside its arrays, which Python passes on as bytes.
+/// The members of a record beside its arrays, which Python passes on as bytes.
 struct RecordOrigin {
   std::int64_t frame = WEFT_NO_FRAME;
   std::int32_t view = 0, object = 0;

@@ -4,8 +4,8 @@
 
 #include "host.hpp"
 #include "host/calling/execution_context.hpp"
+#include "host/guarding/library_call.hpp"
 #include "host/loading/component_checks.hpp"
-#include "host/loading/library_call.hpp"
 
 namespace weft::abi_test {
 namespace {

@@ -34,7 +34,7 @@ void print_elements(const weft_array& array, std::int64_t count) {
   }
 }
 
-/// What a plugin reports of itself is a text.
+/// A text that a plugin reports of itself.
 void print_text(const weft_array& array) {
   const std::string_view text(static_cast<const char*>(array.data), to_index(array.shape[0]));
   std::cout << "  " << array.name << ": " << text << '\n';

@@ -55,7 +55,7 @@ class Differences(unittest.TestCase):
 
 class FirstSizes(unittest.TestCase):
     def test_hosts_accept_the_sizes_of_version_1_0(self) -> None:
-        header = HERE.parents[1] / "framework/host/loading/first_sizes.hpp"
+        header = HERE.parents[1] / "framework/host/guarding/first_sizes.hpp"
         kept = entries((HERE / "kept/1.0/layout.txt").read_text().splitlines())
         sizes = re.findall(r"kFirstSize<(\w+)> = (\d+);", header.read_text())
         growing = {key.split()[1].split(".")[0] for key in kept if key.endswith(".struct_size")}

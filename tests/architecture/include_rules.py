@@ -33,15 +33,16 @@ INSTALLED = {
 }
 INTERNAL = {
     "yaml": "core",
-    "host/describe": "core sdk host/roles",
+    "host/guarding": "core sdk",
+    "host/describe": "core data sdk host/guarding host/roles",
     "host/roles": "core sdk",
-    "host/records": "core data",
-    "host/loading": "core sdk yaml host/describe host/roles host/records",
+    "host/records": "core data host/guarding",
+    "host/loading": "core sdk yaml host/guarding host/describe host/roles host/records",
     "process": "core",
-    "host/probing": "core process host/describe host/records host/loading",
+    "host/probing": "core process host/guarding host/describe host/records host/loading",
     "host/workers": "core process host/records host/loading",
-    "host/calling": "core host/roles host/records host/loading host/workers",
-    "host/serving": "core process host/loading host/workers host/calling",
+    "host/calling": "core geometry host/guarding host/roles host/records host/loading host/workers",
+    "host/serving": "core process host/guarding host/records host/loading host/workers host/calling",
     "pipeline/configuration": "core yaml host/roles host/loading host/workers",
     "pipeline/graph": "core host/roles pipeline/configuration",
     "pipeline/execution": "core data geometry host/roles host/records host/calling pipeline/graph",
@@ -78,8 +79,8 @@ INTERNAL = {
     "pipeline/graph pipeline/execution pipeline/runs lab/statistics",
     "lab/schema": "core yaml host/roles host/loading pipeline/configuration lab/ablation/plan",
     "lab/counting": "",
-    "kit/conformance/probes": "core host/describe host/records host/loading testing",
-    "kit/conformance": "core data process host/describe host/records host/loading host/calling testing "
+    "kit/conformance/probes": "core process host/guarding host/describe host/records host/loading testing",
+    "kit/conformance": "core data process host/guarding host/describe host/records host/loading host/calling testing "
     "kit/conformance/probes",
     "cli": "core images data geometry generators truth sdk yaml host/describe host/roles process host pipeline lab/printing "
     "lab/calibration lab/metrics lab/results lab/ablation lab/cluster lab/report lab/bench lab/schema kit/conformance",
@@ -94,6 +95,7 @@ PLUGIN_LAYERS = ("core", "images", "data", "geometry", "geometry/solid", "genera
 ABI_READERS = (
     "framework/include/weft/core/params",
     "framework/include/weft/data/array.hpp",
+    "framework/include/weft/data/layout.hpp",
     "framework/include/weft/sdk/",
     "framework/kit/conformance/",
     "framework/host/",

@@ -25,7 +25,8 @@ class SuddenEnd : public testing::PipelineTest {
 
   /// Four frames; in the second one the filter performs the action, in the process of the host.
   std::string of(const std::string& action) const {
-    std::string text = testing::chain({{"sources", "{frames: 4}"}});
+    // One at once, so that the last call is that of the component that starts a thread.
+    std::string text = testing::chain({{"sources", "{frames: 4}"}}, "frames_at_once: 1");
     const std::string filter = "{use: filters/test.scripted, params: {}}";
     return text.replace(text.find(filter), filter.size(),
                         "{use: filters/test_deadly, params: {deed: " + action + ", frame: 1}}");

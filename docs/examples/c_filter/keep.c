@@ -96,9 +96,7 @@ static int32_t process(void* self, const weft_call* call, const weft_record* inp
     to = array_of(&inputs[i], "image_px", WEFT_F64);
     marks = array_of(&inputs[i], "kept", WEFT_U8);
   }
-  if (from == NULL || to == NULL || marks == NULL) {
-    return say(error, WEFT_ERROR, WEFT_CODE_INVALID_DATA, "the matches lack what they must have");
-  }
+  if (!from || !to || !marks) return say(error, WEFT_ERROR, WEFT_CODE_INVALID_DATA, "no match");
   const uint8_t* before = marks->data;
   const int64_t n = marks->shape[0];
   uint8_t* kept = weft_alloc(call, output, output_type, "kept", WEFT_U8, 1, &n);

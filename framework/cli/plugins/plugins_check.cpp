@@ -15,7 +15,7 @@ namespace weft::cli {
 namespace {
 
 constexpr int kContractBroken = 1;
-constexpr double kEffortForAll = 0.1;  ///< of the checks that repeat calls
+constexpr double kEffortForAll = 0.1;  ///< share of the calls that checks repeat
 
 struct CheckOptions {
   conformance::Asked asked;

@@ -81,6 +81,8 @@ void say(const char* text) { say(text, std::strlen(text)); }
 void say_what_ran(const char* how, const char* more) {
   const Text& known = here.length > 0 ? here : anywhere;
   say("\n");
+  // With several frames at once, the last call need not be that of the thread's component.
+  if (here.length == 0 && known.length > 0) say("in a thread of a component, after the call ");
   say(known.bytes.data(), known.length);
   if (known.length == 0) say("weft");
   say(": ");

@@ -8,8 +8,8 @@
 #include <weft/core/version.hpp>
 
 #include "host/calling/execution_context_parts.hpp"
+#include "host/guarding/first_sizes.hpp"
 #include "host/loading/arguments.hpp"
-#include "host/loading/first_sizes.hpp"
 
 namespace weft::host {
 

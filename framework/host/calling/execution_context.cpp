@@ -6,8 +6,8 @@
 #include "host/calling/hashing.hpp"
 #include "host/calling/judge_shape.hpp"
 #include "host/calling/protected_inputs.hpp"
-#include "host/loading/library_call.hpp"
-#include "host/loading/process_state.hpp"
+#include "host/guarding/library_call.hpp"
+#include "host/guarding/process_state.hpp"
 #include "host/records/plugin_error.hpp"
 #include "host/records/value_check.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Functions of an execution context for runs whose parameters change, and for its end.
 #include "host/calling/execution_context_parts.hpp"
-#include "host/loading/library_call.hpp"
-#include "host/loading/process_state.hpp"
+#include "host/guarding/library_call.hpp"
+#include "host/guarding/process_state.hpp"
 #include "host/records/plugin_error.hpp"
 
 namespace weft::host {

@@ -7,10 +7,10 @@
 
 namespace weft::host {
 
-/// Applies the common rule for the state of a shape, state_of(), to the answer of a solver,
-/// whatever its language: a shape that the matches or sightlines among `inputs` do not confirm is
-/// `weak`. A state other than `estimated` is kept. The evidence is added as
-/// `diag.agreeing_matches`, `diag.kept_matches` and `diag.agreeing_coverage`.
+/// Applies the common rule for the state of a shape, state_of(), to the answer of a solver. A shape
+/// that the matches or sightlines among `inputs` do not confirm is `weak`. A state other than
+/// `estimated` is kept. The evidence is added as `diag.agreeing_matches`, `diag.kept_matches` and
+/// `diag.agreeing_coverage`.
 void judge_shape(Record& shape, std::span<const weft_record> inputs);
 
 }  // namespace weft::host

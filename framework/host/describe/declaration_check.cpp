@@ -7,7 +7,7 @@
 #include <weft/core/utf8.hpp>
 #include <weft/data/array.hpp>
 
-#include "host/loading/first_sizes.hpp"
+#include "host/guarding/first_sizes.hpp"
 
 namespace weft::host {
 namespace {

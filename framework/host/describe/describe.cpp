@@ -15,7 +15,7 @@
 #include "host/describe/declaration_check.hpp"
 #include "host/describe/manifest_text.hpp"
 #include "host/describe/slots.hpp"
-#include "host/loading/library_call.hpp"
+#include "host/guarding/library_call.hpp"
 
 namespace weft::host {
 namespace {

@@ -6,7 +6,7 @@
 #include <weft/core/mistakes.hpp>
 #include <weft/core/quote.hpp>
 
-#include "host/loading/library_call.hpp"
+#include "host/guarding/library_call.hpp"
 #include "host/records/plugin_error.hpp"
 
 namespace weft::host {

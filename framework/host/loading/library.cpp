@@ -8,8 +8,8 @@
 #include <locale>
 
 #include "host/describe/build_id.hpp"
-#include "host/loading/first_sizes.hpp"
-#include "host/loading/library_call.hpp"
+#include "host/guarding/first_sizes.hpp"
+#include "host/guarding/library_call.hpp"
 #include "host/loading/registry.hpp"
 #include "host/loading/sanitizer.hpp"
 

@@ -31,8 +31,8 @@ struct ParameterSpec {
   bool bounded = false;
   double minimum = 0.0;  ///< in `unit`, inclusive; of an integer the nearest double
   double maximum = 0.0;  ///< in `unit`, inclusive; of an integer the nearest double
-  std::int64_t integer_minimum = std::numeric_limits<std::int64_t>::min();  ///< of an integer
-  std::int64_t integer_maximum = std::numeric_limits<std::int64_t>::max();  ///< of an integer
+  std::int64_t integer_minimum = std::numeric_limits<std::int64_t>::min();  ///< integers: in `unit`
+  std::int64_t integer_maximum = std::numeric_limits<std::int64_t>::max();  ///< integers: in `unit`
   std::vector<std::string> choices;  ///< for an input path: words that are legal instead of a path
   std::string role;                  ///< role of a component parameter
   std::string was;                   ///< its name in older versions, or empty

@@ -12,7 +12,7 @@
 #include <optional>
 #include <weft/core/index.hpp>
 
-#include "host/loading/library_call.hpp"
+#include "host/guarding/library_call.hpp"
 #include "process/child.hpp"
 
 namespace weft::host {

@@ -7,7 +7,7 @@
 
 #include "host/describe/build_id.hpp"
 #include "host/describe/describe.hpp"
-#include "host/loading/library_call.hpp"
+#include "host/guarding/library_call.hpp"
 #include "host/loading/registry.hpp"
 #include "host/probing/child.hpp"
 #include "host/records/plugin_error.hpp"

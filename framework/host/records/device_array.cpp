@@ -2,12 +2,10 @@
 #include "host/records/device_array.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <stdexcept>
 #include <utility>
-#include <weft/core/quote.hpp>
 
-#include "host/loading/library_call.hpp"
+#include "host/guarding/library_call.hpp"
 #include "host/records/plugin_error.hpp"
 #include "host/records/record.hpp"
 
@@ -46,16 +44,13 @@ DeviceArray::DeviceArray(std::string maker, const weft_array& array,
   if (status != WEFT_OK) throw std::runtime_error(maker_ + ": retain() " + error.message);
 }
 
-/// No call is left that could report a fault.
+/// An exception of release() ends here: no call is left that could report it.
 DeviceArray::~DeviceArray() {
   weft_error error = kNoError;
-  const std::int32_t status = call_library(error, [&] {
+  call_library(error, [&] {
     library_.release(array_.handle);
     return WEFT_OK;
   });
-  if (status == WEFT_OK) return;
-  std::fprintf(stderr, "weft: %s: release() of a device array %s\n", maker_.c_str(),
-               escaped(error.message).c_str());
 }
 
 Result<DeviceArray::Copy> DeviceArray::copy(const weft_call* call) {

@@ -48,8 +48,8 @@ const RecordSchema* catalogue_schema(std::string_view type);
 /// The weft_dtype of "f64"; 0 where there is none.
 std::int32_t dtype_called(std::string_view word);
 
-/// Checks that a record has the arrays of its schema, with their elements and shapes, in host
-/// memory unless the schema permits another, and no NaN or infinity in finite fields. Arrays of
+/// Checks that a record has the arrays of its schema, with their elements and shapes, and no NaN or
+/// infinity in finite fields. All are in host memory unless the schema permits another. Arrays of
 /// third parties are arbitrary, but must be readable and have a name that the catalogue will never
 /// use. The Error names the array.
 Result<void> validate(const weft_record& record, const RecordSchema& schema);

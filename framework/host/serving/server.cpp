@@ -15,7 +15,7 @@
 
 #include "host/calling/execution_context.hpp"
 #include "host/calling/hashing.hpp"
-#include "host/loading/library_call.hpp"
+#include "host/guarding/library_call.hpp"
 #include "host/workers/channel.hpp"
 #include "host/workers/codec.hpp"
 

@@ -140,7 +140,7 @@ typedef enum weft_value_type {
 /* A typed parameter value. Single values have count 1; lists have any count, including 0; labels
  * have an even count. */
 typedef struct weft_value {
-  const char* name;  /* of the parameter */
+  const char* name;  /* the name of the parameter */
   int32_t type;      /* weft_value_type */
   int32_t is_vector; /* 1 for a list of numbers or texts, else 0 */
   uint64_t count;    /* length of data */
@@ -157,10 +157,10 @@ typedef struct weft_parameter {
   weft_value default_value; /* with name and type; a component's default is its id as text */
   const char* unit;         /* "" if there is none */
   const char* help;         /* one line, a noun phrase */
-  double minimum; /* of WEFT_VALUE_F64, in unit, inclusive; minus infinity if there is none */
-  double maximum; /* of WEFT_VALUE_F64, in unit, inclusive; plus infinity if there is none */
-  int64_t integer_minimum; /* of WEFT_VALUE_I64, in unit, inclusive; INT64_MIN if there is none */
-  int64_t integer_maximum; /* of WEFT_VALUE_I64, in unit, inclusive; INT64_MAX if there is none */
+  double minimum;          /* WEFT_VALUE_F64: in unit, inclusive; minus infinity if there is none */
+  double maximum;          /* WEFT_VALUE_F64: in unit, inclusive; plus infinity if there is none */
+  int64_t integer_minimum; /* WEFT_VALUE_I64: in unit, inclusive; INT64_MIN if there is none */
+  int64_t integer_maximum; /* WEFT_VALUE_I64: in unit, inclusive; INT64_MAX if there is none */
   const char* const* choices; /* [choice_count] legal words: of a choice, or beside a path */
   uint64_t choice_count;      /* length of choices */
   const char* role;           /* the role of a component parameter, else "" */
@@ -176,7 +176,7 @@ typedef struct weft_parameter {
 typedef struct weft_field {
   uint32_t struct_size;
   uint32_t flags;      /* WEFT_FIELD_* */
-  const char* name;    /* of the array */
+  const char* name;    /* the name of the array */
   const char* shape;   /* in the notation of docs/records.md: "" for a scalar, "N,2" */
   const char* unit;    /* unit and frame, "" if there is none */
   const char* meaning; /* one line */
@@ -270,8 +270,8 @@ typedef struct weft_host {
   uint32_t struct_size;
   uint16_t abi_major;  /* WEFT_ABI_MAJOR of the host */
   uint16_t abi_minor;  /* WEFT_ABI_MINOR of the host; functions of later versions are absent */
-  const char* name;    /* of the program, "weft" */
-  const char* version; /* of the program */
+  const char* name;    /* the name of the program, "weft" */
+  const char* version; /* the version of the program */
   /* [call] Allocates a 64-byte aligned, contiguous, C-order array owned by the host, as part of an
    * output record. It is not cleared: the caller writes all elements. Debug builds and sanitizer
    * builds of the host fill it with 0xFF bytes (NaN for floating point). A second call for the same
@@ -383,7 +383,7 @@ typedef struct weft_component {
   uint32_t struct_size;
   uint32_t flags;          /* WEFT_FLAG_* */
   const char* id;          /* "filters/myneighbor", "filters/vendor.name" */
-  const char* version;     /* of the component */
+  const char* version;     /* the version of the component */
   const char* summary;     /* one sentence */
   const char* reference;   /* paper or standard, or "" */
   const char* licence;     /* SPDX identifier of the built library */
@@ -416,7 +416,7 @@ typedef struct weft_component {
 #define WEFT_FLAG_RANDOM 1u     /* draws from the seed */
 #define WEFT_FLAG_USES_TRUTH 2u /* may read ground_truth */
 
-/* What a library contains. It is constant and valid for the lifetime of the process. */
+/* The content of a library. It is constant and valid for the lifetime of the process. */
 typedef struct weft_library_table {
   uint32_t magic;     /* WEFT_ABI_MAGIC */
   uint16_t abi_major; /* WEFT_ABI_MAJOR: must equal the host's */

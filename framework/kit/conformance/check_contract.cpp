@@ -1,19 +1,63 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contract of the role, and inputs and memory that are legal and unusual.
+// The contract of the role with its geometry, and inputs and memory that are legal and unusual.
 #include <fmt/format.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <string>
 #include <weft/data/matrix.hpp>
 
 #include "kit/conformance/check_list.hpp"
 #include "kit/conformance/groups.hpp"
 #include "kit/conformance/probes/passages.hpp"
 #include "kit/conformance/probes/utf8_text.hpp"
-#include "kit/conformance/role_checks.hpp"
+#include "kit/testing/contract_stages.hpp"
+#include "kit/testing/geometry/check_geometry.hpp"
 
 namespace weft::conformance {
 namespace {
+
+/// The checks of the library for tests, each under its name in a group.
+class RoleChecks {
+ public:
+  RoleChecks(const char* group, Notebook& notebook) : group_(group), notebook_(notebook) {
+    options_.watch = [this](const std::string& what) {
+      close();
+      what_ = what;
+      notebook_.begin(group_ + "/" + as_name(what));
+    };
+  }
+
+  void make(const std::function<void(testing::Checks&)>& checks_of) {
+    testing::Checks checks(options_);
+    checks_ = &checks;
+    checks_of(checks);
+    close();
+  }
+
+ private:
+  void close() {
+    if (what_.empty()) return;
+    const testing::ContractReport& report = checks_->report();
+    const std::size_t begin = what_.size() + std::string(": ").size();
+    Page page;
+    for (; failed_ < report.failures.size(); ++failed_) {
+      page.fail(report.failures[failed_].substr(begin));
+    }
+    for (; reported_ < report.inapplicable.size(); ++reported_) {
+      page.skip(report.inapplicable[reported_].substr(begin));
+    }
+    notebook_.end(page);
+  }
+
+  std::string group_;
+  Notebook& notebook_;
+  testing::ContractOptions options_;
+  testing::Checks* checks_ = nullptr;
+  std::string what_;
+  std::size_t failed_ = 0, reported_ = 0;
+};
 
 constexpr int kMostRefusals = 12;  ///< allocations whose refusal is tested
 
@@ -153,6 +197,14 @@ void check_contract(const Setting& setting, Notebook& notebook) {
   notebook.check("contract/no_memory", [&](Page& page) { check_no_memory(play, page); });
   notebook.check("contract/error_text", [&](Page& page) { check_error_text(play, page); });
   notebook.check("contract/nan_inputs", [&](Page& page) { check_nan(play, page); });
+}
+
+void check_geometry(const Setting& setting, Notebook& notebook) {
+  RoleChecks("geometry", notebook).make([&](testing::Checks& checks) {
+    const testing::ScratchFolder folder;
+    const auto subject = setting.candidate.find(folder.path().string());
+    if (subject) testing::check_geometry(*subject, checks);
+  });
 }
 
 }  // namespace weft::conformance

@@ -125,7 +125,7 @@ void check_exit(Play& play, Page& page) {
       process::Copy{.work = [&](int pipe) -> int {
                       play.whole();
                       std::fflush(nullptr);
-                      static_cast<void>(!ftruncate(STDOUT_FILENO, 0));  // what it printed in calls
+                      static_cast<void>(!ftruncate(STDOUT_FILENO, 0));  // drops the output of calls
                       static_cast<void>(!write(pipe, "e", 1));
                       std::exit(kEndedByItself);
                     },

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <weft/testing/role_contract.hpp>
 
+#include "kit/conformance/probes/processor_time.hpp"
 #include "kit/conformance/probes/sealed_host.hpp"
-#include "kit/conformance/processor_time.hpp"
 #include "process/child.hpp"
 
 namespace weft::conformance {

@@ -30,9 +30,9 @@ class Deadline {
 
 /// Makes checks in a separate process, a copy of this one, which must have one thread. A crash, an
 /// exit or a check that takes more than `longest` of CPU time is a failure of the current check, or
-/// of `first` before any check began. So is one that waits for that long without computing. The
-/// checks after it are not made. The output of the process is discarded, except the last line
-/// before it was ended.
+/// of `first` before any check began. A process that waits for that long without computing is ended
+/// too. The checks after it are not made. The output of the process is discarded, except the last
+/// line before it was ended.
 std::vector<Finding> check_in_child(const std::string& first, const Choice& choice,
                                     std::chrono::seconds longest,
                                     const std::function<void(Notebook&)>& make);

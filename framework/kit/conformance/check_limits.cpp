@@ -13,7 +13,7 @@
 #include "kit/conformance/groups.hpp"
 #include "kit/conformance/large_inputs.hpp"
 #include "kit/conformance/probes/process_state.hpp"
-#include "kit/conformance/processor_time.hpp"
+#include "kit/conformance/probes/processor_time.hpp"
 
 namespace weft::conformance {
 namespace {

@@ -9,7 +9,7 @@
 #include "kit/conformance/check_in_child.hpp"
 #include "kit/conformance/groups.hpp"
 #include "kit/conformance/probes/parameter_values.hpp"
-#include "kit/conformance/processor_time.hpp"
+#include "kit/conformance/probes/processor_time.hpp"
 
 namespace weft::conformance {
 namespace {

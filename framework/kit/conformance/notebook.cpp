@@ -8,7 +8,7 @@
 #include <exception>
 
 #include "kit/conformance/check_list.hpp"
-#include "kit/conformance/processor_time.hpp"
+#include "kit/conformance/probes/processor_time.hpp"
 
 namespace weft::conformance {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "host/calling/execution_context_parts.hpp"
 #include "host/calling/protected_inputs.hpp"
+#include "host/guarding/library_call.hpp"
 #include "host/loading/component_checks.hpp"
-#include "host/loading/library_call.hpp"
 #include "host/records/plugin_error.hpp"
 
 namespace weft::testing {

@@ -3,7 +3,7 @@
 #include <regex>
 #include <stdexcept>
 
-#include "host/loading/library_call.hpp"
+#include "host/guarding/library_call.hpp"
 #include "host/records/plugin_error.hpp"
 #include "kit/testing/contract_stages.hpp"
 #include "kit/testing/geometry/check_geometry.hpp"

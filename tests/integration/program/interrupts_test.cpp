@@ -39,7 +39,8 @@ TEST_F(Program, FinishesWhenItIsInterrupted) {
 TEST_F(Program, ASecondInterruptEndsItAtOnceAndNamesWhatRan) {
   for (const int signal : {SIGINT, SIGTERM}) {
     fs::remove_all(path("run"));
-    const std::string file = write(chain({{"sources", "{frames: 50, sleep_ms: 300}"}}));
+    const std::string file =
+        write(chain({{"sources", "{frames: 50, sleep_ms: 300}"}}, "frames_at_once: 1"));
     Child child(command({"run", file, "--out", path("run")}), path("printed"));
     ASSERT_TRUE(wait_for_frames(1));
     std::this_thread::sleep_for(std::chrono::milliseconds(60));
@@ -130,7 +131,7 @@ INSTANTIATE_TEST_SUITE_P(
                                          Interrupted{"sources", "frames_at_once: 3", 3, 2},
                                          Interrupted{"templates", "", 0, 0},
                                          Interrupted{"sinks", "", 0, 0},
-                                         Interrupted{"sinks", "", 2, 2})));
+                                         Interrupted{"sinks", "frames_at_once: 1", 2, 2})));
 
 TEST_F(Program, RunsThatBeginTogetherGetFoldersOfTheirOwn) {
   const std::string file = write(chain({{"sources", "{frames: 2, gate: '" + path("gate") + "'}"}}));

@@ -94,7 +94,7 @@ void destroy(void* self);
 std::int32_t end_in_frame_1(weft_error& error);
 /// True if rounding mode or locale differ from those that the host guarantees when a call begins.
 bool is_mode_changed();
-/// Of a call, whose inputs as the host gave them are `given`.
+/// Faults of a call, whose inputs as the host gave them are `given`.
 void misuse_host(const weft_call& call, const Inputs& inputs, const weft_record* given);
 /// Before a call; may change what the original sees of the inputs.
 struct PaddingIgnored {

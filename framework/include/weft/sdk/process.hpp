@@ -113,8 +113,7 @@ class ProcessCall {
   Result<void> read_slots(Input& input) const {
     Result<void> status;
     Input::slots(input, [&](const char* slot, auto& member) {
-      if (!status) return;
-      if (auto read = read_slot(slot, member); !read) status = std::move(read);
+      if (auto read = status ? read_slot(slot, member) : Result<void>{}; !read) status = read;
     });
     return status;
   }

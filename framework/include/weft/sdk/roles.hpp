@@ -20,8 +20,9 @@ namespace weft {
 ///   sources read: -> image, time, known_points, ground_truth, correspondences, region, object_mask
 ///   templates build: -> template*
 ///   detectors detect: image*, region -> keypoints*
-///   matchers match: keypoints, template_keypoints, correspondences, image, template, camera,
-///       shape, previous.image, previous.correspondences, previous.shape -> correspondences*
+///   matchers match: keypoints, template_keypoints, correspondences (list), image, template,
+///       camera, shape, previous.image, previous.correspondences, previous.shape ->
+///       correspondences*
 ///   filters filter: correspondences*, template, camera, previous.shape, ground_truth ->
 ///       inlier_mask*
 ///   warps fit: correspondences*, template*, weights -> warp*

@@ -19,7 +19,7 @@
 #include <xmmintrin.h>
 #endif
 
-#include "host/loading/process_state.hpp"
+#include "host/guarding/process_state.hpp"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define WEFT_SANITIZER_ALLOCATES

@@ -27,7 +27,7 @@ class SealedHost final : public testing::Passage {
   template <class Call>
   std::int32_t sealed(const weft_call& call, std::span<const weft_record> inputs, Call&& then);
 
-  std::vector<std::unique_ptr<Pages>> left_;  ///< of the calls that have returned
+  std::vector<std::unique_ptr<Pages>> left_;  ///< pages of calls that have returned
 };
 
 /// Where an address lies in memory of a SealedHost.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/loading/library_call.hpp"
+#include "host/guarding/library_call.hpp"
 
 #include <sys/mman.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the host does at the boundary itself: it refuses at once what it could not use, reaches only
-// the components that a caller may reach, and turns every exception into an error with an id.
+// The host refuses at once what it could not use, and reaches only the components that a caller may
+// reach. It turns every exception into an error with an id.
 #include <gmock/gmock.h>
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "host/loading/process_state.hpp"
-#include "misbehaving.hpp"
+#include "../misbehaving.hpp"
+#include "host/guarding/process_state.hpp"
 
 namespace weft::misbehaving {
 namespace {

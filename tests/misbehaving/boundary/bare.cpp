@@ -90,7 +90,7 @@ void change_process(std::string_view act) {
   if (act == "locale") std::setlocale(LC_ALL, "C.UTF-8");
   if (act == "folder") static_cast<void>(chdir("/"));
   if (act == "terminate") std::set_terminate([] { std::abort(); });
-  if (act == "environment") setenv("WEFT_TEST_OF_A_PLUGIN", "1", 1);
+  if (act == "environment") setenv("TZ", "UTC+3", 1);
 }
 
 std::int32_t create(const weft_create* with, void** self, weft_error* /*error*/) {

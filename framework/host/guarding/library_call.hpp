@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <weft/sdk/extensions.hpp>
 
-#include "host/loading/first_sizes.hpp"
+#include "host/guarding/first_sizes.hpp"
 
 namespace weft::host {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host/loading/process_state.hpp"
+#include "host/guarding/process_state.hpp"
 
 #include <pthread.h>
 #include <sched.h>

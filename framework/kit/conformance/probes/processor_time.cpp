@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kit/conformance/processor_time.hpp"
+#include "kit/conformance/probes/processor_time.hpp"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -21,7 +21,7 @@ double ms_of(const timeval& time) {
   return 1e3 * static_cast<double>(time.tv_sec) + 1e-3 * static_cast<double>(time.tv_usec);
 }
 
-/// Of a process and those that it has waited for; 0 once it is gone.
+/// CPU time of a process and those that it has waited for; 0 once it is gone.
 double processor_ms_of(pid_t process) {
   std::ifstream file("/proc/" + std::to_string(process) + "/stat");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
