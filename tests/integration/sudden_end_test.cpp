@@ -24,9 +24,10 @@ class SuddenEnd : public testing::PipelineTest {
   }
 
   /// Four frames; in the second one the filter performs the action, in the process of the host.
-  std::string of(const std::string& action) const {
-    // One at once, so that the last call is that of the component that starts a thread.
-    std::string text = testing::chain({{"sources", "{frames: 4}"}}, "frames_at_once: 1");
+  /// One frame at once, so that the last call is that of a component that starts a thread.
+  std::string of(const std::string& action,
+                 const std::string& options = "frames_at_once: 1") const {
+    std::string text = testing::chain({{"sources", "{frames: 4}"}}, options);
     const std::string filter = "{use: filters/test.scripted, params: {}}";
     return text.replace(text.find(filter), filter.size(),
                         "{use: filters/test_deadly, params: {deed: " + action + ", frame: 1}}");
@@ -99,9 +100,7 @@ TEST_F(SuddenEnd, OfAComponentThatWritesIntoItsInputsIsReportedUnderParanoid) {
 }
 
 TEST_F(SuddenEnd, IsReportedForAConcurrentThread) {
-  const std::string at_once = "threads: 2\nframes_at_once: 3\n";
-  const std::string text = of("fault");
-  const std::string file = write(text.substr(0, 8) + at_once + text.substr(8));
+  const std::string file = write(of("fault", "threads: 2\nframes_at_once: 3"));
   const Ended ended = weft({"run", file, "--out", path("run"), "--quiet"});
   EXPECT_THAT(ended.err, HasSubstr("filters (filters/test_deadly: filter), frame 1: ended"));
 }
