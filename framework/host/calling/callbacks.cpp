@@ -65,15 +65,6 @@ std::string no_room(const Record& record, const weft_output& output, weft_memory
          " bytes together, and this one has " + std::to_string(own);
 }
 
-/// The schema of a record: of the catalogue, or as the component declares it.
-const RecordSchema* schema_of(const Record& record, const Instance& maker) {
-  if (record.schema() != nullptr) return record.schema();
-  const auto found =
-      std::find_if(maker.record_types.begin(), maker.record_types.end(),
-                   [&](const RecordSchema& each) { return each.type == record.type(); });
-  return found != maker.record_types.end() ? &*found : nullptr;
-}
-
 /// The reason why a requested array is illegal in its record, or an empty text. Validation after
 /// the call would end it: a component that is refused at once can use another array.
 std::string illegality_of(const Record& record, const weft_output& output, weft_memory memory,
@@ -87,7 +78,7 @@ std::string illegality_of(const Record& record, const weft_output& output, weft_
       array_at(output.array, output.dtype, output.ndim, output.shape, nullptr, memory);
   array.data = &array;  // its layout is checked, not its content
   array.handle = output.handle;
-  const RecordSchema* schema = schema_of(record, maker);
+  const RecordSchema* schema = schema_of(record, maker.record_types);
   const std::string problem = schema != nullptr ? illegal_array(*schema, array) : "";
   return problem.empty() ? "" : "it " + problem;
 }
@@ -193,9 +184,10 @@ struct Callbacks {
   static void log(const weft_call* call, std::int32_t level, const char* text) try {
     ExecutionContext::Scope& scope = scope_of(call);
     if (!scope.context.log_ || text == nullptr) return;
-    const int before = scope.texts.fetch_add(1, std::memory_order_relaxed);
-    if (before > kMostTexts) return;
-    const std::string shown = before < kMostTexts ? legible(text) : "further messages are dropped";
+    const std::lock_guard lock(scope.logging);  // the last text is the one about dropped ones
+    if (scope.texts > kMostTexts) return;
+    const std::string shown =
+        scope.texts++ < kMostTexts ? legible(text) : "further messages are dropped";
     scope.context.log_(scope.instance.name, std::clamp(level, 0, kWarning), shown,
                        scope.turn.run_frame);
   } catch (...) {

@@ -288,13 +288,19 @@ Outcome ExecutionContext::finish(Instance& instance, Scope& scope,
   return outcome;
 }
 
-Result<void> ExecutionContext::admit(Record& record, const char* slot,
-                                     std::span<const RecordSchema> types) {
-  const auto schema = std::find_if(types.begin(), types.end(), [&](const RecordSchema& each) {
+const RecordSchema* schema_of(const Record& record, std::span<const RecordSchema> declared) {
+  if (record.schema() != nullptr) return record.schema();
+  const auto found = std::find_if(declared.begin(), declared.end(), [&](const RecordSchema& each) {
     return each.type == record.type();
   });
+  return found != declared.end() ? &*found : nullptr;
+}
+
+Result<void> ExecutionContext::admit(Record& record, const char* slot,
+                                     std::span<const RecordSchema> types) {
+  const RecordSchema* schema = schema_of(record, types);
   auto valid =
-      schema != types.end() ? validate(record.view(slot), *schema) : validate(record.view(slot));
+      schema != nullptr ? validate(record.view(slot), *schema) : validate(record.view(slot));
   if (!valid) return valid;
   const bool of_content = record.type() == Template::kType || record.type() == Camera::kType;
   record.set_revision(of_content ? content_revision(record) : next_revision() | revision_mark_);

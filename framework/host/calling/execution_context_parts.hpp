@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
 #include <forward_list>
+#include <mutex>
 #include <optional>
 
 #include "host/calling/execution_context.hpp"
@@ -85,7 +85,8 @@ struct ExecutionContext::Scope {
   double worker_processor_ms = 0.0;    ///< likewise
   std::string refusal{};               ///< reason why the host first refused an array, if it did
   bool has_warned = false;             ///< about a refusal
-  std::atomic<int> texts{0};           ///< log messages of this call
+  std::mutex logging{};                ///< for texts: threads of a call log at the same time
+  int texts = 0;                       ///< log messages of this call
 
   /// True if the role's method may produce this record.
   bool may_produce(std::string_view slot, std::string_view type) const;
@@ -94,6 +95,9 @@ struct ExecutionContext::Scope {
   /// or among the answers that it got.
   bool may_invoke(const Instance& target) const;
 };
+
+/// The schema of a record: of the catalogue, or one of `declared`; null if there is none.
+const RecordSchema* schema_of(const Record& record, std::span<const RecordSchema> declared);
 
 /// The functions that every call brings; none throws.
 const weft_host& host_table();
