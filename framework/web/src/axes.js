@@ -39,8 +39,8 @@ function label(text, colour, height) {
 }
 
 /** Axes for a box [m] in the frame of WebGL (y up, z towards the viewer): x to the right, y down and
-    z ahead, as the camera has them. */
-export function axes_of(box, colour) {
+    z ahead, as the camera has them; that of y with its length, unless something else shows a scale. */
+export function axes_of(box, colour, has_length) {
   const size = box.getSize(new Vector3());
   const extent = Math.max(size.x, size.y, size.z);
   const length_mm = round_number(kShareOfBox * extent * kMmPerM, true);
@@ -64,7 +64,7 @@ export function axes_of(box, colour) {
   );
   const height = 0.05 * extent;
   for (const [name, end] of ends) {
-    const sprite = label(name === "y" ? `y, ${length_mm} mm` : name, colour, height);
+    const sprite = label(name === "y" && has_length ? `y, ${length_mm} mm` : name, colour, height);
     sprite.position.copy(corner).addScaledVector(end, 1.1);
     group.add(sprite);
   }

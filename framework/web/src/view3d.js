@@ -13,6 +13,8 @@ import {
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { axes_of } from "./axes.js";
 
+const kOblique = new Vector3(0.45, 0.35, 1);
+
 /** A colour of the page's style. */
 export function colour_of(name) {
   const text = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -23,9 +25,12 @@ export class View3d {
   #axes = null;
   #axes_shown = true;
 
+  #axes_have_length;
+
   /** Throws where the browser has no WebGL. */
-  constructor(canvas) {
+  constructor(canvas, { axes_have_length = true } = {}) {
     this.canvas = canvas;
+    this.#axes_have_length = axes_have_length;
     this.renderer = new WebGLRenderer({
       canvas,
       antialias: true,
@@ -43,20 +48,21 @@ export class View3d {
     new ResizeObserver(() => this.render()).observe(canvas);
   }
 
-  /** Where the real camera stands, but turned a little, and near enough for `box` [m] to fill the
-      view. */
-  look_at(box) {
+  /** Near enough for `box` [m] to fill the view, which looks against `direction`: by default as the
+      real camera does, but turned a little. */
+  look_at(box, direction = kOblique) {
     if (box.isEmpty()) return;
     if (this.#axes) this.scene.remove(this.#axes);
-    this.#axes = axes_of(box, colour_of("--ink"));
+    this.#axes = axes_of(box, colour_of("--ink"), this.#axes_have_length);
     this.#axes.visible = this.#axes_shown;
     this.scene.add(this.#axes);
     const centre = box.getCenter(new Vector3());
     const radius = 0.5 * box.getSize(new Vector3()).length();
-    const distance = radius / Math.tan((this.camera.fov * Math.PI) / 360);
+    const { fov, aspect } = this.camera;
+    const distance = radius / Math.tan((fov * Math.PI) / 360) / Math.min(1, aspect);
     this.camera.position
       .copy(centre)
-      .add(new Vector3(0.45, 0.35, 1).normalize().multiplyScalar(0.9 * distance));
+      .add(direction.clone().normalize().multiplyScalar(0.9 * distance));
     this.camera.near = 0.01 * radius;
     this.camera.far = 100 * radius;
     this.camera.updateProjectionMatrix();

@@ -6,13 +6,18 @@ import { frame_message, hello_message, sheet } from "./messages.mjs";
 import { close, module_loader } from "./modules.mjs";
 
 const load = module_loader(process.argv[2]);
-const { decode_frame, template_of } = await load("messages");
-const { edges_of, edge_lengths, project, vertex_strain } = await load("mesh");
+const { decode_frame, template_of } = await load("link/messages");
+const { edges_of, edge_lengths, project, vertex_strain } = await load("views/mesh");
 const { behind_words, cause_of, has_ended, notices_of, offline_words, percent, silent_words, state_words } =
   await load("words");
-const { History, sample_of } = await load("history");
-const { Colouring } = await load("colouring");
-const { runs_of } = await load("strips");
+const { History, sample_of } = await load("time/history");
+const { Colouring } = await load("views/colouring");
+const { runs_of } = await load("time/plot");
+const { Playback } = await load("time/playback");
+const { Delays } = await load("time/delays");
+const { contrasting_colour } = await load("views/contrast");
+const { match_groups, nearest_match } = await load("views/matches");
+const { measured_of } = await load("views/hatch");
 
 const as_buffer = (bytes) => Uint8Array.from(bytes).buffer;
 
@@ -172,17 +177,110 @@ test("a sample has the sum of times and the matches that the last filter kept", 
   assert.ok([bare.total_ms, bare.kept, bare.confidence].every(Number.isNaN));
 });
 
-test("the history holds half a minute and knows the run's rate", () => {
-  const history = new History();
+test("the history is bounded in bytes, and its places stay the same", () => {
+  const history = new History(1000);
   // The run does 20 frames a second, the page is shown each second one.
-  for (let i = 0; i <= 1000; ++i) history.push(sample_of({ frame: 2 * i, report: null }, i / 10));
-  assert.equal(history.samples.length, 301);
-  assert.equal(history.samples[0].at_s, 70);
+  for (let i = 0; i <= 300; ++i) {
+    history.push(sample_of({ frame: 2 * i, report: null }, i / 10), new ArrayBuffer(10));
+  }
+  assert.equal(history.samples.length, 100);
+  assert.equal(history.bytes, 1000);
+  assert.equal(history.at(250).frame, 500);
+  assert.equal(history.at(0).frame, 402);
+  assert.equal(history.at(9999), history.latest);
   close(history.latest.rate, 20, 1e-9);
-  history.push(sample_of({ frame: 2001, report: null }, 110));
-  close(history.latest.rate, 0.1, 1e-9);
-  history.push(sample_of({ frame: 0, report: null }, 111));
+  assert.deepEqual(history.between(25, 25.2).map(({ frame }) => frame), [500, 502, 504]);
+  assert.equal(history.nearest(25.06).frame, 502);
+  assert.equal(history.nearest(-1).frame, 402);
+  assert.equal(history.nearest(99).frame, 600);
+  history.push(sample_of({ frame: 0, report: null }, 31));
   assert.equal(history.samples.length, 1);
+  assert.equal(history.bytes, 0);
+});
+
+test("a loss and a change of a parameter are marked, and playback goes there", () => {
+  const history = new History();
+  const states = ["none", "estimated", "weak", "lost", "lost", "estimated", "predicted"];
+  states.forEach((state, frame) => {
+    const changes = frame === 5 ? ["filters.alpha_s=0.2"] : undefined;
+    history.push(sample_of({ frame, report: { state, changes } }, frame));
+  });
+  const marks = history.samples.flatMap(({ frame, mark }) => (mark ? [[frame, mark.kind]] : []));
+  assert.deepEqual(marks, [[3, "loss"], [5, "change"], [6, "loss"]]);
+  let moves = 0;
+  const playback = new Playback(history, () => ++moves);
+  assert.equal(playback.sample.frame, 6);
+  assert.equal(playback.place_to_compare(), 4);
+  playback.go_to_mark(-1);
+  assert.equal(playback.sample.frame, 5);
+  playback.go_to_mark(-1);
+  assert.equal(playback.sample.frame, 3);
+  playback.go_to_mark(-1);
+  assert.equal(playback.sample.frame, 3);
+  assert.equal(playback.place_to_compare(), 3);
+  assert.equal(playback.step(-1), true);
+  assert.equal(playback.sample.frame, 2);
+  history.push(sample_of({ frame: 7, report: null }, 7));
+  assert.equal(playback.sample.frame, 2);
+  assert.equal(playback.is_live, false);
+  assert.equal(playback.step(100), true);
+  assert.equal(playback.step(1), false);
+  playback.go_live();
+  assert.equal(playback.is_live, true);
+  assert.equal(moves, 5);
+});
+
+test("delays are counted from the frame that took least, whatever the clocks are", () => {
+  const delays = new Delays();
+  const stages = [{ stage: "all", ms: 20 }];
+  const of = (frame, written, run_s, link_s) => {
+    const [time_s, taken_s] = [frame / 30, 100 + frame / 30 + run_s];
+    const arrived_s = 5000 + taken_s + link_s;
+    return delays.of(sample_of({ frame, written, time_s, taken_s, report: { stages } }, arrived_s));
+  };
+  for (let frame = 0; frame < 60; ++frame) of(frame, frame, 0.02, 0.004);
+  const late = of(70, 63, 0.05, 0.034);
+  close(late.run_ms, 50, 1e-6);
+  close(late.link_ms, 30, 1e-6);
+  assert.equal(late.lost_link, 3);
+  assert.equal(late.lost_run, 7);
+  // A file that is read faster than it was filmed has no delay from its capture.
+  delays.begin();
+  const film = (frame) =>
+    delays.of(sample_of({ frame, written: frame, time_s: frame / 30, taken_s: frame / 300, report: { stages } }, frame));
+  for (let frame = 0; frame < 600; ++frame) film(frame);
+  assert.ok(Number.isNaN(film(600).run_ms));
+});
+
+test("a line over a texture has the colour that the texture lacks", () => {
+  const of = (...pixels) => contrasting_colour(Uint8ClampedArray.from(pixels.flat()));
+  const [white, black] = [[255, 255, 255, 255], [0, 0, 0, 255]];
+  assert.equal(of(white, white), "#10151a");
+  assert.equal(of(black, black), "#f2f9ff");
+  // Neither is seen on both.
+  assert.ok(!["#f2f9ff", "#10151a"].includes(of(white, black)));
+});
+
+test("matches are grouped by the filters' verdict, or by score", () => {
+  const frame = {
+    match_px: Float32Array.from([10, 10, 20, 20, 30, 30]),
+    match_kept: Uint8Array.from([1, 0, 1]),
+    match_score: Float32Array.from([1, 0, 0.5]),
+  };
+  const shown = (mode) => match_groups(frame, mode).map(({ indices }) => indices);
+  assert.deepEqual(shown("kept"), [[0, 2]]);
+  assert.deepEqual(shown("all"), [[1], [0, 2]]);
+  assert.deepEqual(shown("score"), [[0], [], [2], [], [1]]);
+  assert.equal(nearest_match(frame, "all", [21, 21], 5), 1);
+  assert.equal(nearest_match(frame, "kept", [21, 21], 5), -1);
+  assert.equal(nearest_match(frame, "kept", [21, 21], Infinity), 2);
+});
+
+test("what was not measured is hatched", () => {
+  const of = (report, visible) => [...measured_of({ report, visible }, 3)];
+  assert.deepEqual(of({ state: "estimated" }, Uint8Array.from([1, 0, 1])), [1, 0, 1]);
+  assert.deepEqual(of({ state: "weak" }, undefined), [1, 1, 1]);
+  assert.deepEqual(of({ state: "lost" }, Uint8Array.from([1, 1, 1])), [0, 0, 0]);
 });
 
 test("the rate is the run's, however frames arrive", () => {

@@ -8,7 +8,7 @@ import * as chromium from "../../support/chromium.mjs";
 import { hello_message } from "./messages.mjs";
 import { draw_picture } from "./picture.mjs";
 import { PlayedRun } from "./played_run.mjs";
-import { bent, camera, kVertices, mesh, report_of, settings } from "./scene.mjs";
+import { bent, camera, kVertices, matches_of, mesh, report_of, settings } from "./scene.mjs";
 
 const [web, screenshots] = process.argv.slice(2);
 
@@ -78,6 +78,9 @@ class LivePage {
       image: this.picture(frame),
       vertices_m: bent(frame),
       visible: Array.from({ length: kVertices }, (_, v) => (v % 13 < 3 ? 0 : 1)),
+      taken_s: frame / 30 + 0.05,
+      written: frame,
+      ...matches_of(frame),
       ...changes,
     });
     await this.until((wanted) => window.weft_live.frame?.frame === wanted, frame);
@@ -132,7 +135,7 @@ class LivePage {
 
   shot(name) {
     const file = chromium.screenshot_file(screenshots, name);
-    return this.page.screenshot({ path: file, fullPage: true });
+    return this.page.screenshot({ path: file });
   }
 }
 

@@ -39,12 +39,15 @@ TEST(LivePage, ReadsFramesAndMakesWordsControlsAndChangeRequestsOfThem) {
 TEST(LivePage, ShowsARunInABrowserAndSteersIt) {
   if (const auto file =
           absent({WEFT_WEB "/dist/live.js", WEFT_WEB "/node_modules/ws",
-                  WEFT_WEB "/node_modules/puppeteer-core", "/usr/bin/chromium", "/usr/bin/node"});
+                  WEFT_WEB "/node_modules/puppeteer-core", WEFT_WEB "/node_modules/axe-core",
+                  "/usr/bin/chromium", "/usr/bin/node"});
       !file.empty()) {
     GTEST_SKIP() << file << " is absent: install chromium and npm, run scripts/bootstrap.sh";
   }
   run_script("page_test.mjs");
+  run_script("keyboard_test.mjs");
   run_script("settings_test.mjs");
+  run_script("bad_input_test.mjs");
   run_script("recording_page_test.mjs");
 }
 

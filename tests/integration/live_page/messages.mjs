@@ -4,9 +4,19 @@
 const kMagic = 0x314c4657;
 
 const padded = (bytes) => Buffer.concat([bytes, Buffer.alloc((4 - (bytes.length % 4)) % 4)]);
-const kTypes = { image: "jpeg", vertices_m: "f32", visible: "u8" };
+const kTypes = {
+  image: "jpeg",
+  vertices_m: "f32",
+  visible: "u8",
+  match_px: "f32",
+  match_uv: "f32",
+  match_kept: "u8",
+  match_score: "f32",
+  truth_m: "f32",
+};
+const kHead = ["taken_s", "written", "matches"];
 
-/** A frame; each of the parts image (Buffer), vertices_m and visible (numbers) may be absent. */
+/** A frame; each of the parts image (Buffer) and those of numbers may be absent. */
 export function frame_message({ frame, time_s = null, report = null, ...given }) {
   const parts = Object.entries(kTypes)
     .filter(([name]) => given[name])
@@ -16,10 +26,11 @@ export function frame_message({ frame, time_s = null, report = null, ...given })
         type === "f32" ? Buffer.from(Float32Array.from(value).buffer) : Buffer.from(value);
       return { name, type, bytes };
     });
-  const head = { frame, time_s, report, parts: [] };
-  if (given.taken_s !== undefined) head.taken_s = given.taken_s;
+  const head = { frame, time_s, report };
+  for (const name of kHead) if (given[name] !== undefined) head[name] = given[name];
   head.parts = parts.map(({ name, type, bytes }) => ({ name, type, bytes: bytes.length }));
-  const json = Buffer.from(JSON.stringify(head));
+  const text = Buffer.from(JSON.stringify(head));
+  const json = Buffer.concat([text, Buffer.alloc((4 - (text.length % 4)) % 4, " ")]);
   const lengths = Buffer.alloc(8);
   lengths.writeUInt32LE(kMagic, 0);
   lengths.writeUInt32LE(json.length, 4);

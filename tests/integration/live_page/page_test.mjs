@@ -10,30 +10,31 @@ import { bent, camera, report_of } from "./scene.mjs";
 await use_live_page(async (live) => {
   const { page } = live;
   const mesh_pixels = () => page.$eval("#mesh", (canvas) => canvas.toDataURL());
-  const image_pixel = (x, y) =>
+  /** The colour of the canvas at an image point, px. */
+  const image_pixel = (x_px, y_px) =>
     page.$eval(
       "#image",
-      (canvas, u, v) => {
+      (canvas, at_px) => {
         const copy = new OffscreenCanvas(canvas.width, canvas.height);
         const pen = copy.getContext("2d", { willReadFrequently: true });
         pen.drawImage(canvas, 0, 0);
-        const at = [Math.round(u * canvas.width), Math.round(v * canvas.height)];
+        const ratio = canvas.width / canvas.clientWidth;
+        const at = window.weft_live.image.place_of()(...at_px).map((one) => Math.round(ratio * one));
         return [...pen.getImageData(...at, 1, 1).data];
       },
-      x,
-      y,
+      [x_px, y_px],
     );
 
   // Frames run: the image changes, the mesh has the vertices that were sent, words report it.
   await live.show(0);
-  const corner = await image_pixel(0.02, 0.02);
+  const corner = await image_pixel(12, 12);
   await live.show(1);
-  assert.notDeepEqual(await image_pixel(0.02, 0.02), corner, "the image did not change");
+  assert.notDeepEqual(await image_pixel(12, 12), corner, "the image did not change");
   const positions = await page.evaluate(() => window.weft_live.mesh.positions());
   assert.deepEqual(positions, [...Float32Array.from(bent(1))]);
   assert.equal(await live.text("#state .title"), "Estimated");
   assert.equal(await live.text("#state .text"), "97\u00a0% sure");
-  assert.equal(await live.text("#state .frame"), "frame 1 · 0.03 s");
+  await live.until_text("#moment-words", "frame 1 · 0.03 s");
   assert.equal(await live.text("#pipeline"), "pipelines/live.yaml");
   await live.until_text("#announcement", "Estimated");
 
@@ -41,15 +42,14 @@ await use_live_page(async (live) => {
   await live.show(2, { image: null });
   const [x, y, z] = bent(2).slice(0, 3);
   const seen = [(camera.fx * x) / z + camera.cx, (camera.fy * y) / z + camera.cy];
-  const inked = async (u, v) => {
-    const pixel = await image_pixel(u / camera.width_px, v / camera.height_px);
-    return pixel[3] > 0;
-  };
+  const inked = async (u, v) => (await image_pixel(u, v))[3] > 0;
   assert.equal(await inked(...seen), true);
   assert.equal(await inked(seen[0] - 12, seen[1] - 12), false);
-  await page.click("#overlay");
+  await page.focus("#opacity");
+  await page.keyboard.press("Home");
   assert.equal(await inked(...seen), false);
-  await page.click("#overlay");
+  await page.keyboard.press("End");
+  assert.equal(await inked(...seen), true);
 
   // Mouse and keyboard turn the mesh.
   await live.show(3);
@@ -71,6 +71,7 @@ await use_live_page(async (live) => {
   }
 
   // Each colouring draws the mesh in another way and has its legend.
+  await page.select("#colouring", "texture");
   const drawings = new Set([await mesh_pixels()]);
   for (const [name, legend] of [
     ["confidence", "now 97\u00a0%"],
@@ -130,7 +131,7 @@ await use_live_page(async (live) => {
 
   // Each thing to use is reached by the tabulator, and is seen to be.
   await page.emulateMediaFeatures([]);
-  const usable = await page.$$eval("button, input, select, summary, canvas[tabindex]", (all) => {
+  const usable = await page.$$eval("button, input, select, summary, [tabindex='0']", (all) => {
     const seen = (one) => one.checkVisibility({ visibilityProperty: true });
     return all.filter((one) => seen(one) && !one.matches(":disabled")).length;
   });
@@ -203,8 +204,8 @@ await use_live_page(async (live) => {
   // The run ends, and another one begins at the same place.
   const { port } = live.run;
   const usable_commands = () =>
-    page.$$eval("#commands [data-command]:enabled, #stop:enabled", (all) => all.length);
-  assert.equal(await usable_commands(), 4);
+    page.$$eval("#play:enabled, #forward:enabled, #stop:enabled", (all) => all.length);
+  assert.equal(await usable_commands(), 3);
   await live.run.end();
   await live.until_text("#connection", "The run has ended.");
   assert.doesNotMatch(await live.text("#connection"), /Trying again/);
@@ -212,8 +213,8 @@ await use_live_page(async (live) => {
   await live.shot("ended");
   live.run = await live.start(port, { settings: null });
   await live.until_text("#connection", "Connected");
-  await live.until_text("#stages", "The run tells none.");
-  assert.equal(await usable_commands(), 4);
+  await live.until_text("#stages", "The run reports no settings.");
+  assert.equal(await usable_commands(), 3);
 
   // After a stop it has ended, however the connection goes.
   await page.click("#stop");

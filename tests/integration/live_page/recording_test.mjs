@@ -10,9 +10,9 @@ import { module_loader } from "./modules.mjs";
 import { numpy_array, unzipped } from "./unzipped.mjs";
 
 const load = module_loader(process.argv[2]);
-const { crc32 } = await load("zip");
-const { Recording } = await load("recording");
-const { template_of } = await load("messages");
+const { crc32 } = await load("saving/zip");
+const { Recording } = await load("saving/recording");
+const { template_of } = await load("link/messages");
 const { recorded_words } = await load("words");
 
 const kCamera = { fx: 500, fy: 400, cx: 319.5, cy: 239.5, width_px: 640, height_px: 480 };

@@ -16,6 +16,24 @@ export function bent(number) {
   return vertices_m;
 }
 
+/** Matches of a frame, which lie on its surface but for each ninth, which no filter keeps. */
+export function matches_of(frame) {
+  const vertices_m = bent(frame);
+  const all = Array.from({ length: 156 }, (_, i) => (i * 7) % kVertices);
+  const match_px = all.flatMap((v, i) => {
+    const [x, y, z] = vertices_m.slice(3 * v, 3 * v + 3);
+    const off = i % 9 === 0 ? 40 + (i % 5) * 12 : 0;
+    return [(camera.fx * x) / z + camera.cx + off, (camera.fy * y) / z + camera.cy - off];
+  });
+  return {
+    matches: 312,
+    match_px,
+    match_uv: all.flatMap((v) => mesh.uv.slice(2 * v, 2 * v + 2)),
+    match_kept: all.map((_, i) => (i % 9 === 0 ? 0 : 1)),
+    match_score: all.map((_, i) => (i % 9 === 0 ? 0.05 : 0.4 + 0.6 * ((i % 11) / 10))),
+  };
+}
+
 const kTimes_ms = { sources: 6, detectors: 18, matchers: 9, filters: 3, warps: 2, solvers: 5 };
 
 export function report_of(frame, changes = {}) {
@@ -28,7 +46,9 @@ export function report_of(frame, changes = {}) {
     ...(stage === "filters" && { matches: 312, kept }),
   }));
   const std_mm = Array.from({ length: kVertices }, (_, v) => 0.2 + 0.1 * (v % 13));
-  return { frame, state: "estimated", age: 0, confidence: 0.97, std_mm, stages, ...changes };
+  const std_median_mm = 0.8;
+  const certain = { state: "estimated", age: 0, confidence: 0.97, std_mm, std_median_mm };
+  return { frame, ...certain, stages, ...changes };
 }
 
 /** A parameter that holds its default. */

@@ -97,8 +97,13 @@ await use_live_page(async (live) => {
   });
 
   // Commands; to stop needs a confirmation.
-  for (const command of ["pause", "step", "resume"]) {
-    await page.click(`[data-command=${command}]`);
+  await live.show(0);
+  for (const [button, command] of [
+    ["#play", "pause"],
+    ["#forward", "step"],
+    ["#play", "resume"],
+  ]) {
+    await page.click(button);
     await waits(1);
     assert.deepEqual(run.requests.splice(0), [command]);
   }

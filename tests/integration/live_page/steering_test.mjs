@@ -5,9 +5,9 @@ import { test } from "node:test";
 import { close, module_loader } from "./modules.mjs";
 
 const load = module_loader(process.argv[2]);
-const parameters = await load("parameters");
-const { ChangeRequests } = await load("change_requests");
-const { socket_address } = await load("connection");
+const parameters = await load("settings/parameters");
+const { ChangeRequests } = await load("link/change_requests");
+const { socket_address } = await load("link/connection");
 
 test("a slider gives each value that it shows", () => {
   for (const range of [

@@ -1,18 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-// The live page: it draws what the run sends, and sends changes made here as requests.
-import { Colouring, kColourings, write_legend } from "./colouring.js";
-import { Commands } from "./commands.js";
-import { Connection, socket_address } from "./connection.js";
-import { History, sample_of } from "./history.js";
-import { ImageView } from "./image_view.js";
-import { MeshView } from "./mesh_view.js";
-import { decode_frame, template_of } from "./messages.js";
-import { Announcer, Notices } from "./notices.js";
-import { Recorder } from "./recorder.js";
-import { save_picture } from "./save.js";
-import { Settings } from "./settings.js";
-import { Strips } from "./strips.js";
-import { ChangeRequests } from "./change_requests.js";
+// The live page: it keeps and draws what the run sends, and sends changes made here as requests.
+import { Keyboard } from "./layout/keyboard.js";
+import { Layout } from "./layout/layout.js";
+import { Announcer, Notices } from "./layout/notices.js";
+import { ChangeRequests } from "./link/change_requests.js";
+import { Commands } from "./link/commands.js";
+import { Connection, socket_address } from "./link/connection.js";
+import { decode_frame, template_of } from "./link/messages.js";
+import { Recorder } from "./saving/recorder.js";
+import { save_picture } from "./saving/save.js";
+import { Settings } from "./settings/settings.js";
+import { write_comparison } from "./time/comparison.js";
+import { Delays } from "./time/delays.js";
+import { History, sample_of } from "./time/history.js";
+import { Playback } from "./time/playback.js";
+import { Strips } from "./time/strips.js";
+import { Transport } from "./time/transport.js";
+import { ImageView } from "./views/image_view.js";
+import { MeshPane } from "./views/mesh_pane.js";
+import { ViewOptions } from "./views/view_options.js";
 import {
   behind_words,
   has_ended,
@@ -23,32 +29,42 @@ import {
 } from "./words.js";
 
 const kStrips_ms = 200; // between drawings of the strips
-const kStill_s = 3; // without a frame of the run, when the server says so
-const kBehind_s = 5; // without one here although the run goes on, from which the page says so
+const kStill_s = 3; // without a frame of the run, when the server reports it
+const kBehind_s = 5; // without one here although the run goes on, from which the page reports it
 
 const by_id = (id) => document.getElementById(id);
 const now_s = () => performance.now() / 1000;
 
 class Page {
-  #template = null;
+  #scene = null; // text of camera and template of the run
   #frame = null; // that is shown
-  #colouring = new Colouring();
+  #is_seeking = false; // an earlier frame is being read
+  #compared = null; // place of the frame to compare with
   #strips_at_s = 0;
-  #frame_at_s = null; // when the last one was shown; null without a connection
+  #frame_at_s = null; // when the last one arrived; null without a connection
   #ended = false; // by a request of this page
-  #still_since_s = null; // when the run's last frame came, where the server says so
+  #still_since_s = null; // when the run's last frame came, where the server reports it
 
   constructor() {
     this.notices = new Notices(by_id("notices"));
     this.announcer = new Announcer(by_id("announcement"));
     this.history = new History();
-    this.image = new ImageView(by_id("image"));
-    this.mesh = this.#make_mesh_view();
-    this.strips = new Strips(by_id("strips"), this.history);
+    this.delays = new Delays();
+    this.playback = new Playback(this.history, () => this.#move());
+    this.image = new ImageView(by_id("image"), by_id("patch"));
+    this.mesh = new MeshPane(by_id("mesh-view"), this.notices, () => this.#draw_mesh());
+    this.options = new ViewOptions({
+      image: () => this.image.set(this.options.image),
+      mesh: () => this.#draw_mesh(),
+    });
+    this.image.set(this.options.image);
+    this.strips = new Strips(by_id("strips"), this.history, this.playback);
     this.change_requests = new ChangeRequests((message) => this.connection.send(message));
     this.settings = new Settings(by_id("settings"), this.change_requests);
-    this.commands = new Commands(by_id("commands"), this.change_requests);
-    this.recorder = new Recorder(by_id("commands"));
+    this.commands = new Commands(by_id("outcome"), this.change_requests, () => this.#run_changed());
+    this.transport = new Transport(by_id("transport"), this);
+    this.recorder = new Recorder(by_id("transport"));
+    this.layout = new Layout(() => this.#recolour());
     this.#listen();
     this.connection = new Connection(socket_address(location), {
       message: (message) => this.#receive(message),
@@ -58,36 +74,41 @@ class Page {
     setInterval(() => this.#watch(), 1000);
   }
 
-  /** What tests and curious readers may ask for. */
+  /** The frame that is shown, for tests and curious readers. */
   get frame() {
     return this.#frame;
   }
 
-  #make_mesh_view() {
-    try {
-      return new MeshView(by_id("mesh"));
-    } catch (error) {
-      this.notices.add(`This browser draws no 3D view: ${error.message}`);
-      return null;
-    }
-  }
-
   #listen() {
-    for (const { name, title } of kColourings) by_id("colouring").append(new Option(title, name));
-    by_id("colouring").addEventListener("change", () => this.#draw_mesh());
-    by_id("overlay").addEventListener("change", ({ target }) =>
-      this.image.show_mesh(target.checked),
-    );
-    by_id("axes").addEventListener("change", ({ target }) =>
-      this.mesh?.view.show_axes(target.checked),
-    );
-    by_id("reset-view").addEventListener("click", () => this.mesh?.reset());
     by_id("screenshot").addEventListener("click", () => this.#save());
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-      this.mesh?.colour();
-      this.#draw_mesh();
-      this.image.draw();
-      this.strips.draw();
+    by_id("compare").addEventListener("click", () => this.#compare());
+    const { transport, playback, layout } = this;
+    const key = (key, words, act, name) => ({ key, words, act, name });
+    this.keyboard = new Keyboard(by_id("help-dialog"), [
+      key(" ", "play or pause the run", () => transport.toggle(), "space"),
+      key("ArrowLeft", "frame before", () => transport.step(-1), "←"),
+      key("ArrowRight", "next frame; at the newest one a step of the run", () => transport.step(1), "→"),
+      key(",", "loss or change before", () => playback.go_to_mark(-1)),
+      key(".", "next loss or change", () => playback.go_to_mark(1)),
+      key("l", "newest frame", () => playback.go_live()),
+      key("c", "compare with the frame before the last change", () => this.#compare()),
+      key("f", "fit the mesh into the view", () => this.mesh.fit("fit")),
+      key("1", "view of the camera", () => this.mesh.fit("front")),
+      key("2", "view from the right", () => this.mesh.fit("side")),
+      key("3", "view from above", () => this.mesh.fit("top")),
+      key("i", "image alone", () => layout.toggle_alone("image")),
+      key("m", "mesh alone", () => layout.toggle_alone("mesh")),
+      key("Escape", "both views again", () => layout.leave_alone(), "Esc"),
+      key("s", "settings", () => layout.toggle_drawer("settings")),
+      key("t", "strips", () => layout.toggle_drawer("strips")),
+      key("?", "this list", () => this.keyboard.show()),
+    ]);
+    addEventListener("keydown", (event) => {
+      if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+      if (event.target.matches?.("input[type=text], input[type=number], input[type=search]")) return;
+      event.preventDefault();
+      if (event.shiftKey) this.settings.edits.redo();
+      else this.settings.edits.undo();
     });
   }
 
@@ -109,19 +130,25 @@ class Page {
   }
 
   #begin(hello) {
+    const { camera, settings, started_with } = hello;
     this.notices.clear();
     this.commands.forget();
-    this.#template = template_of(hello);
-    this.#frame = null;
-    this.#colouring = new Colouring();
-    const { camera } = hello;
-    if (camera && this.mesh) {
-      this.mesh.canvas.style.aspectRatio = `${camera.width_px} / ${camera.height_px}`;
+    this.delays.begin();
+    const template = template_of(hello);
+    const scene = JSON.stringify([camera, hello.template]);
+    if (scene !== this.#scene) {
+      // Frames of the same scene stay after a break of the connection.
+      this.#scene = scene;
+      this.history.clear();
+      this.playback.go_live();
+      this.#frame = null;
+      this.#compared = null;
+      this.image.begin(camera, template);
+      this.mesh.begin(camera, template);
     }
-    this.image.begin(camera, this.#template);
-    this.mesh?.begin(this.#template);
-    this.recorder.begin_run(camera, this.#template);
-    this.#show_settings(hello.settings);
+    this.recorder.begin_run(camera, template);
+    this.settings.begin(settings, started_with);
+    this.#show_settings(settings);
     this.#ask_for_frame();
   }
 
@@ -129,6 +156,7 @@ class Page {
     this.settings.show(settings);
     this.recorder.show_settings(settings);
     by_id("pipeline").textContent = settings?.pipeline ?? "";
+    by_id("pipeline").title = settings?.pipeline ?? "";
     const file = settings?.pipeline?.split("/").at(-1);
     document.title = file ? `${file} – Weft live` : "Weft live";
     for (const text of settings?.warnings ?? []) this.notices.add(text);
@@ -144,52 +172,124 @@ class Page {
 
   async #take_frame(buffer) {
     const from = this.connection.current;
+    const arrived_s = now_s();
     try {
-      const frame = decode_frame(buffer);
-      frame.picture = frame.image
-        ? await createImageBitmap(new Blob([frame.image], { type: "image/jpeg" }))
-        : null;
-      if (from !== this.connection.current) return; // of a run that went away meanwhile
+      const frame = await with_picture(decode_frame(buffer));
+      if (from !== this.connection.current) return frame.picture?.close(); // of a run that left
       await new Promise(requestAnimationFrame);
-      this.#show(frame);
+      this.#keep(frame, buffer, arrived_s);
     } catch (error) {
       this.notices.add(`A frame could not be shown: ${error.message}.`);
     }
     if (from === this.connection.current) this.connection.send({ type: "ready" });
   }
 
-  #show(frame) {
-    this.#frame = frame;
+  #keep(frame, buffer, arrived_s) {
     this.#frame_at_s = now_s();
-    this.history.push(sample_of(frame, this.#frame_at_s));
+    const sample = sample_of(frame, arrived_s);
+    sample.delays = this.delays.of(sample);
+    this.history.push(sample, buffer);
     this.commands.frame_came(frame.frame);
     this.recorder.take(frame);
+    for (const text of notices_of(frame.report)) this.notices.add(text);
+    if (this.playback.is_live) {
+      this.#show(frame);
+      sample.delays.browser_ms = 1000 * (now_s() - arrived_s);
+    } else {
+      frame.picture?.close();
+    }
+    if (this.#frame_at_s - this.#strips_at_s >= kStrips_ms / 1000) this.#draw_time();
+  }
+
+  #draw_time() {
+    this.#strips_at_s = now_s();
+    this.strips.draw();
+    this.transport.draw();
+  }
+
+  /** Another moment is to be shown. */
+  #move() {
+    this.#draw_time();
+    if (!this.#is_seeking) this.#seek();
+  }
+
+  /** Shows the moment, and again if it has moved meanwhile. */
+  async #seek() {
+    this.#is_seeking = true;
+    for (let shown = null; this.playback.sample && shown !== this.playback.sample; ) {
+      shown = this.playback.sample;
+      const frame = await with_picture(decode_frame(shown.message));
+      if (this.playback.is_live && shown !== this.playback.sample) {
+        frame.picture?.close(); // newer ones come by themselves
+        break;
+      }
+      this.#show(frame);
+    }
+    this.#is_seeking = false;
+  }
+
+  #show(frame) {
+    this.#frame = frame;
+    this.options.offer(frame);
+    this.image.compare(this.#vertices_at(this.#compared));
     this.image.show(frame);
     this.#draw_mesh();
     this.#write_state(frame);
-    for (const text of notices_of(frame.report)) this.notices.add(text);
-    if (this.#frame_at_s - this.#strips_at_s < kStrips_ms / 1000) return;
-    this.#strips_at_s = this.#frame_at_s;
-    this.strips.draw();
+    const other = this.#compared === null ? null : this.history.at(this.#compared);
+    write_comparison(by_id("comparison"), other, this.playback.sample);
+  }
+
+  /** Vertices [3 V] m of the frame at a place of the history, or null. */
+  #vertices_at(place) {
+    const sample = place === null ? null : this.history.at(place);
+    return sample ? (decode_frame(sample.message).vertices_m ?? null) : null;
+  }
+
+  /** Compares the moment with the frame before the last change, or ends that. */
+  #compare() {
+    const ends = this.#compared !== null;
+    this.#compared = ends ? null : this.playback.place_to_compare();
+    by_id("compare").setAttribute("aria-pressed", this.#compared !== null);
+    if (this.#frame) this.#move();
   }
 
   #draw_mesh() {
-    if (!this.#frame || !this.mesh) return;
-    const { value } = by_id("colouring");
-    const { shares, legend } = this.#colouring.of(value, this.#frame, this.#template);
-    this.mesh.show(this.#frame, shares);
-    write_legend(by_id("legend"), legend);
+    if (!this.#frame) return;
+    const { sample } = this.playback;
+    const { beside } = this.options.mesh;
+    const compared = this.#compared ?? (beside === "before" && sample ? sample.place - 1 : null);
+    this.mesh.show(this.#frame, {
+      ...this.options.mesh,
+      other: compared === null ? null : { vertices_m: this.#vertices_at(compared), frame: this.history.at(compared)?.frame },
+      truth_m: beside === "truth" ? (this.#frame.truth_m ?? null) : null,
+      until: sample,
+      history: this.history,
+    });
   }
 
-  #write_state({ frame, time_s, report }) {
+  #write_state({ report }) {
     const words = state_words(report);
     const root = by_id("state");
+    const write = (part, text) => {
+      const node = root.querySelector(part);
+      if (node.textContent !== text) node.textContent = text; // each writing costs a layout
+    };
     root.dataset.state = words.state;
-    root.querySelector(".title").textContent = words.title;
-    root.querySelector(".text").textContent = words.text;
-    const time = Number.isFinite(time_s) ? ` · ${time_s.toFixed(2)} s` : "";
-    root.querySelector(".frame").textContent = `frame ${frame}${time}`;
+    write(".title", words.title);
+    write(".text", words.text);
     this.announcer.say(words.topic, `${words.title}. ${words.text}`);
+  }
+
+  #recolour() {
+    this.mesh.colour();
+    this.#draw_mesh();
+    this.image.draw();
+    this.#draw_time();
+  }
+
+  #run_changed() {
+    this.delays.begin(); // the clock of a file stops in a pause
+    this.transport?.draw();
   }
 
   #connected() {
@@ -222,7 +322,7 @@ class Page {
     root.dataset.kind = kind;
   }
 
-  /** Says so where frames do not come although the run is there. */
+  /** Reports that frames do not come although the run is there. */
   #watch() {
     if (this.#frame_at_s === null || document.hidden) return;
     const since = (at_s) => Math.floor(now_s() - at_s);
@@ -242,9 +342,16 @@ class Page {
     const { title, text } = state_words(this.#frame.report);
     const number = String(this.#frame.frame).padStart(6, "0");
     const words = `Frame ${this.#frame.frame}. ${title}${text && `: ${text}`}`;
-    this.mesh?.view.render();
+    this.mesh.render();
     save_picture(this.image.canvas, by_id("mesh"), words, `weft_${number}.png`);
   }
+}
+
+/** The frame with its image decoded as `picture`, or null. */
+async function with_picture(frame) {
+  const blob = frame.image && new Blob([frame.image], { type: "image/jpeg" });
+  frame.picture = blob ? await createImageBitmap(blob) : null;
+  return frame;
 }
 
 // For tests and for curious readers: `weft_live.frame` is the frame that is shown.

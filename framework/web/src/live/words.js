@@ -100,6 +100,43 @@ export const silent_words = (silent_s) =>
 export const behind_words = (behind_s) =>
   `Connected; behind by ${behind_s} s: this browser or the network is slow`;
 
+/** The moment that is shown, in the history. */
+export function moment_words({ frame, time_s, at_s }, latest, is_live) {
+  const time = Number.isFinite(time_s) ? ` · ${time_s.toFixed(2)} s` : "";
+  const ago_s = latest.at_s - at_s;
+  const ago = is_live ? "" : ` · ${ago_s.toFixed(ago_s < 10 ? 2 : 1)} s ago`;
+  return `frame ${frame}${time}${ago}`;
+}
+
+/** How much of the run can be looked at again. */
+export function kept_words(span_s, bytes) {
+  const whole_s = Math.round(span_s);
+  const seconds = String(whole_s % 60).padStart(2, "0");
+  return `${Math.floor(whole_s / 60)}:${seconds} min kept, ${(bytes / 1e6).toFixed(0)} MB`;
+}
+
+/** What the delays lack, and the frames that were skipped in half a minute. */
+export function delay_words({ run_ms }, lost_run, lost_link) {
+  const unknown = Number.isFinite(run_ms) ? "" : "capture time unknown; ";
+  return `${unknown}skipped: ${lost_run} by the run, ${lost_link} behind it`;
+}
+
+/** Where a vertex is in the camera's frame, and how sure that is. */
+export function vertex_words(vertex, vertices_m, std_mm) {
+  const place_mm = [0, 1, 2].map((axis) => (1000 * vertices_m[3 * vertex + axis]).toFixed(1));
+  const std = Number.isFinite(std_mm?.[vertex]) ? ` ± ${std_mm[vertex].toPrecision(2)}` : "";
+  return `vertex ${vertex}: ${place_mm.join(", ")}${std} mm`;
+}
+
+/** A match of a frame. */
+export function match_words({ match_px, match_kept, match_score, matches }, index) {
+  const [x_px, y_px] = match_px.subarray(2 * index, 2 * index + 2);
+  const verdict = match_kept[index] ? "kept" : "rejected";
+  const of_all = matches > match_kept.length ? ` (a selection of ${matches})` : "";
+  const place = `at ${x_px.toFixed(1)}, ${y_px.toFixed(1)} px`;
+  return `Match ${index + 1} of ${match_kept.length}${of_all}: ${verdict}, score ${match_score[index].toPrecision(3)}, ${place}`;
+}
+
 export const size_words = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
 
 /** What became of a recording {first, last, frames, bytes}. Frames are missing in it that the run

@@ -2,7 +2,7 @@
 // The button that records what this page is shown, and saves it as a file.
 import { Recording } from "./recording.js";
 import { save_file } from "./save.js";
-import { recorded_words, size_words } from "./words.js";
+import { recorded_words, size_words } from "../words.js";
 
 export class Recorder {
   #scene = null; // {camera, template, settings} of the run; null without one

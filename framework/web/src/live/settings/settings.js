@@ -1,78 +1,94 @@
 // SPDX-License-Identifier: Apache-2.0
-// All settings of the run, stage by stage, and the search among them.
-import { element } from "../data.js";
+// All settings of the run, stage by stage, the first few of them on top, and the search among them.
+import { element } from "../../data.js";
+import { ChangesPanel } from "./changes_panel.js";
 import { Control } from "./control.js";
+import { values_of } from "./difference.js";
+import { Edits } from "./edits.js";
+import { first_parameters } from "./parameters.js";
 
-const kMostOpen = 30; // controls that stand open at the beginning
+const kMostOpen = 30; // controls whose groups are open at the beginning
 
-/** What a set of settings is made of, whatever its values are. */
-function shape_of({ stages }) {
-  return JSON.stringify(
-    stages.map(({ stage, id, changeable, why_not, parameters }) => [
-      stage,
-      id,
-      changeable,
-      why_not,
-      parameters.map(({ setting }) => setting),
-    ]),
-  );
+/** The structure of settings, without their values. */
+function shape_of(stages, started) {
+  const structure = stages.map(({ stage, id, changeable, why_not, parameters }) => [
+    stage,
+    id,
+    changeable,
+    why_not,
+    parameters.map(({ setting }) => setting),
+  ]);
+  return JSON.stringify([structure, started]);
 }
 
 export class Settings {
   #shape = null;
+  #started = []; // stages as the run began
   // {stage, details, changed, controls: [{setting, control}], open: without a search}
   #groups = [];
 
   constructor(root, change_requests) {
     this.root = root;
-    this.change_requests = change_requests;
     this.list = root.querySelector("#stages");
     this.search = root.querySelector("#search");
     this.search.addEventListener("input", () => this.#find());
+    this.edits = new Edits(change_requests, () => this.panel.write_edits());
+    this.panel = new ChangesPanel(root, this.edits);
+    this.panel.write_edits();
   }
 
-  /** The settings of a run as they hold now, or null. */
+  /** A run began, with these settings; each may be null. */
+  begin(settings, started) {
+    this.#started = (started ?? settings)?.stages ?? [];
+    this.edits.forget();
+    this.show(settings);
+  }
+
+  /** The settings of the run as they are now, or null. */
   show(settings) {
     const stages = settings?.stages?.filter(({ parameters }) => parameters.length) ?? [];
-    const shape = shape_of({ stages });
+    const shape = shape_of(stages, this.#started);
     if (shape !== this.#shape) {
       this.#shape = shape;
       this.#build(stages);
     } else {
       const parameters = stages.flatMap((stage) => stage.parameters);
-      const values = new Map(parameters.map(({ setting, value }) => [setting, value]));
+      const by_setting = new Map(parameters.map((parameter) => [parameter.setting, parameter]));
       for (const { controls } of this.#groups) {
-        for (const { setting, control } of controls) control.update(values.get(setting));
+        for (const { setting, control } of controls) control.update(by_setting.get(setting));
       }
     }
     this.#count_changes();
+    this.panel.show({ pipeline: settings?.pipeline ?? "", stages }, this.#started);
   }
 
   #build(stages) {
     const total = stages.reduce((sum, { parameters }) => sum + parameters.length, 0);
     this.#groups = stages.map((stage) => this.#group(stage, total <= kMostOpen));
+    const first = first_parameters(stages);
+    if (total > kMostOpen && first.length) {
+      const stage = { stage: "", id: "", changeable: true, parameters: first };
+      this.#groups.unshift({ ...this.#group(stage, true), is_first: true });
+    }
     this.list.replaceChildren(...this.#groups.map(({ details }) => details));
-    if (stages.length === 0) this.list.textContent = "The run tells none.";
+    if (stages.length === 0) this.list.textContent = "The run reports no settings.";
     this.#find();
   }
 
   #group({ stage, id, summary, changeable, why_not, parameters }, open) {
     const changed = element("span", { className: "changes" });
-    const head = element(
-      "summary",
-      {},
-      element("span", { className: "stage", textContent: stage }),
-      element("code", { textContent: id }),
-      changed,
-    );
+    const title = element("span", { className: "stage", textContent: stage || "First of each stage" });
+    const head = element("summary", {}, title, element("code", { textContent: id }), changed);
+    const started = values_of(this.#started);
     const controls = parameters.map((parameter) => {
-      const name = parameter.setting.slice(stage.length + 1);
-      const control = new Control(parameter, name, this.change_requests);
-      control.element.style.setProperty("--depth", name.split(".").length - 1);
-      return { setting: parameter.setting, control };
+      const { setting } = parameter;
+      const name = stage ? setting.slice(stage.length + 1) : setting;
+      const control = new Control(parameter, name, started.get(setting), this.edits);
+      if (stage) control.element.style.setProperty("--depth", name.split(".").length - 1);
+      return { setting, control };
     });
     const fields = element("fieldset", { disabled: !changeable });
-    fields.append(element("legend", { className: "unseen", textContent: stage }));
+    fields.append(element("legend", { className: "unseen", textContent: title.textContent }));
     if (summary) fields.append(element("p", { className: "about", textContent: summary }));
     if (!changeable) fields.append(element("p", { className: "why-not", textContent: why_not }));
     fields.append(...controls.map(({ control }) => control.element));
@@ -102,12 +118,12 @@ export class Settings {
         const fits = control.speaks_of(rest);
         control.element.hidden = !fits;
         any ||= fits;
-        if (fits) ++found;
+        if (fits && !group.is_first) ++found;
       }
-      group.details.hidden = !any;
+      group.details.hidden = !any || (group.is_first && words.length > 0);
       group.details.open = words.length ? any : group.open;
     }
-    const told = words.length === 0 ? "" : found ? `${found} found` : "Nothing is called so.";
+    const told = words.length === 0 ? "" : found ? `${found} found` : "No setting has this name.";
     this.root.querySelector("#found").textContent = told;
   }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Colours of the mesh by what is known of its vertices, and the legend of each.
-import { kRampStyle, kStops, round_number } from "../errors.js";
-import { percent } from "./words.js";
+import { kRampStyle, kStops, round_number } from "../../errors.js";
+import { percent } from "../words.js";
 import { vertex_strain } from "./mesh.js";
 
 const kLeastStd_mm = 0.01;
@@ -10,9 +10,9 @@ const kNearlyAll = 0.98;
 const kFrames = 150; // whose scale is one
 
 export const kColourings = [
+  { name: "std", title: "Standard deviation" },
   { name: "texture", title: "Texture" },
   { name: "confidence", title: "Confidence" },
-  { name: "std", title: "Standard deviation" },
   { name: "visibility", title: "Visibility" },
   { name: "strain", title: "Strain" },
 ];
@@ -28,7 +28,7 @@ function upper(values) {
 export class Colouring {
   #recent = { std: [], strain: [] }; // of each frame the value at the end of its own scale
 
-  /** {shares [V] on the ramp from 0 to 1, legend}, or {legend} where the frame does not tell it. A
+  /** {shares [V] on the ramp from 0 to 1, legend}, or {legend} where the frame lacks it. A
       legend has {low, high} for the ends of the ramp, or `keys`, or a `text`. */
   of(name, frame, template) {
     const count = (frame.vertices_m?.length ?? 0) / 3;
@@ -49,7 +49,7 @@ export class Colouring {
   #confidence({ report }, count) {
     const confidence = report?.confidence;
     if (!Number.isFinite(confidence)) {
-      return { legend: { text: "The solver tells no confidence." } };
+      return { legend: { text: "The solver reports no confidence." } };
     }
     return {
       shares: new Float32Array(count).fill(1 - confidence),
@@ -60,7 +60,7 @@ export class Colouring {
   #std({ report }, count) {
     const values = report?.std_mm;
     if (!Array.isArray(values) || values.length !== count) {
-      return { legend: { text: "The solver tells no standard deviations." } };
+      return { legend: { text: "The solver reports no standard deviations." } };
     }
     const scale = this.#scale("std", Math.max(kLeastStd_mm, upper(values)));
     return {
@@ -71,7 +71,7 @@ export class Colouring {
 
   #visibility({ visible }, count) {
     if (visible?.length !== count) {
-      return { legend: { text: "No stage tells which vertices are seen." } };
+      return { legend: { text: "No stage reports which vertices are visible." } };
     }
     return {
       shares: Float32Array.from(visible, (seen) => (seen ? 0 : 1)),
@@ -86,6 +86,7 @@ export class Colouring {
 
   #strain({ vertices_m }, template) {
     if (!vertices_m || !template) return { legend: { text: "There is no shape." } };
+    if (!template.edges.length) return { legend: { text: "The mesh has too many faces." } };
     const strain = vertex_strain(vertices_m, template.edges, template.rest_m);
     const scale = this.#scale("strain", Math.max(kLeastStrain, upper(strain.map(Math.abs))));
     const end = `${Number((100 * scale).toPrecision(3))}\u00a0%`;
@@ -103,8 +104,11 @@ export class Colouring {
   }
 }
 
-/** Writes a legend, or none, into its element. */
-export function write_legend(root, legend) {
+/** Writes a legend, or none, into its element, and what else is to be seen beside the colours. */
+export function write_legend(root, legend, { is_hatched, beside }) {
+  const content = JSON.stringify([legend, is_hatched, beside]);
+  if (root.dataset.content === content) return; // each writing costs a layout
+  root.dataset.content = content;
   const text = (selector, words) => {
     const node = root.querySelector(selector);
     node.textContent = words ?? "";
@@ -116,6 +120,9 @@ export function write_legend(root, legend) {
   text(".low", legend.low);
   text(".high", legend.high);
   text(".text", legend.text);
+  root.querySelector(".hatched").hidden = !is_hatched;
+  root.querySelector(".beside").hidden = !beside;
+  root.querySelector(".beside > :last-child").textContent = beside;
   const keys = legend.keys ?? [];
   root.querySelector(".keys").replaceChildren(
     ...keys.flatMap(({ colour, name }) => {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files that the browser saves.
-import { element } from "../data.js";
+import { element } from "../../data.js";
 
 const kCaptionHeight = 40;
 const kKept_ms = 60000; // until the browser has surely begun to save

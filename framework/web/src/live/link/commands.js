@@ -1,35 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pause, step, resume and stop.
-import { outcome_words } from "./words.js";
+// Commands to the run: pause, step, resume and stop.
+import { outcome_words } from "../words.js";
 
-const kMostSteps = 3; // frames that somebody else may have stepped through
+const kMostSteps = 3; // frames that another client may have stepped through
 
 export class Commands {
   #paused = null; // {from: frame, frames: that came nevertheless}; null: not, as far as is known
+  #connected = false;
   #lost = false; // the connection was, while the run was paused
   #stops = false; // the run has agreed to
+  #changed;
 
-  constructor(root, change_requests) {
-    this.root = root;
+  /** `outcome` shows what became of a command; `changed()` is called when the run pauses or goes on,
+      comes or leaves. */
+  constructor(outcome, change_requests, changed) {
+    this.outcome = outcome;
     this.change_requests = change_requests;
-    this.outcome = root.querySelector("#outcome");
-    this.buttons = root.querySelectorAll("[data-command], #stop");
-    this.connect(false);
-    for (const button of root.querySelectorAll("[data-command]")) {
-      button.addEventListener("click", () => this.#ask(button.dataset.command));
-    }
+    this.#changed = changed;
     const dialog = document.getElementById("stopping");
-    root.querySelector("#stop").addEventListener("click", () => {
+    document.getElementById("stop").addEventListener("click", () => {
       dialog.returnValue = "";
       dialog.showModal();
     });
     dialog.addEventListener("close", () => {
-      if (dialog.returnValue === "stop") this.#ask("stop");
+      if (dialog.returnValue === "stop") this.ask("stop");
     });
+    this.connect(false);
   }
 
   get paused() {
     return this.#paused !== null;
+  }
+
+  get connected() {
+    return this.#connected;
   }
 
   /** Whether the run ends by a request of this page. */
@@ -37,13 +41,15 @@ export class Commands {
     return this.#stops;
   }
 
-  /** Without a run there is nothing to press. */
   connect(there) {
-    for (const button of this.buttons) button.disabled = !there;
+    this.#connected = there;
+    document.getElementById("stop").disabled = !there;
     if (!there) document.getElementById("stopping").close();
+    this.#changed();
   }
 
-  #ask(command) {
+  /** Sends "pause", "step", "resume" or "stop". */
+  ask(command) {
     this.change_requests.now(command, (told) => {
       if (told.outcome === "granted") this.#granted(command, told.frame);
       else this.#say(`${command}: ${outcome_words(told)}`, told.outcome !== "sent");
@@ -53,14 +59,13 @@ export class Commands {
   #granted(command, frame) {
     const pauses = command === "pause" || command === "step";
     this.#stops ||= command === "stop";
-    this.#paused = pauses ? { from: frame, frames: 0 } : null;
     const words = {
       pause: `Paused before frame ${frame}`,
       step: "Paused after one frame",
       resume: `Running from frame ${frame} on`,
       stop: "The run stops.",
     };
-    this.#say(words[command], false);
+    this.#set(pauses ? frame : null, words[command]);
   }
 
   /** The run pauses or goes on, whichever client requested it. A pause ends with the browser that
@@ -68,26 +73,32 @@ export class Commands {
   pause_told({ paused, frame, left }) {
     const was_lost = this.#lost;
     this.#lost = false;
-    if (left && was_lost) return this.#say("Going on: the connection was lost during a pause", false);
+    if (left && was_lost) {
+      return this.#set(null, "Going on: the connection was lost during a pause");
+    }
     if (paused === this.paused) return;
-    this.#paused = paused ? { from: frame, frames: 0 } : null;
     const goes_on = left ? "Going on: the browser that paused it left" : "Going on, by another browser";
-    this.#say(paused ? "Paused in another browser" : goes_on, false);
+    this.#set(paused ? frame : null, paused ? "Paused in another browser" : goes_on);
   }
 
-  /** A frame came: where several do although the run pauses, somebody else has let it go on. */
+  /** A frame came: where several do although the run pauses, another client has resumed it. */
   frame_came(frame) {
     if (!this.#paused || frame < this.#paused.from || ++this.#paused.frames < kMostSteps) return;
-    this.#paused = null;
-    this.#say("", false);
+    this.#set(null, "");
   }
 
   /** The run went away, or another one began. */
   forget() {
     this.#lost ||= this.paused;
     this.#stops = false;
-    this.#paused = null;
-    this.#say("", false);
+    this.#set(null, "");
+  }
+
+  /** Paused from a frame on, or not (null). */
+  #set(from, words) {
+    this.#paused = from === null ? null : { from, frames: 0 };
+    this.#say(words, false);
+    this.#changed();
   }
 
   #say(words, bad) {

@@ -72,3 +72,19 @@ export function requested_value({ type, is_vector }, text) {
   const parts = inner === "" ? [] : inner.split(",").map((part) => element_text(type, part.trim()));
   return parts.includes(null) ? null : `[${parts.join(", ")}]`;
 }
+
+const kFirst = 5;
+
+/** The parameters to show on top: of the stages that can change, one after another, the first that
+    the pipeline sets, else the first that is declared. */
+export function first_parameters(stages) {
+  return stages
+    .filter(({ changeable }) => changeable)
+    .map(({ parameters }) => {
+      const changed_here = parameters.filter((each) => kind_of(each) !== "shown");
+      const is_set = ({ value, default: usual }) => !same_value(value, usual);
+      return changed_here.find(is_set) ?? changed_here[0];
+    })
+    .filter(Boolean)
+    .slice(0, kFirst);
+}

@@ -1,32 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 // The control of one parameter, made from its declaration.
-import { element } from "../data.js";
-import {
-  kind_of,
-  range_words,
-  same_value,
-  shown_value,
-  slider_of,
-  requested_value,
-} from "./parameters.js";
-import { outcome_words } from "./words.js";
+import { element } from "../../data.js";
+import { kind_of, range_words, same_value, shown_value, slider_of } from "./parameters.js";
+import { outcome_words } from "../words.js";
 
-let count = 0; // of the ids of this page
+let count = 0; // of the ids on this page
 
 export class Control {
   #parameter;
-  #change_requests;
+  #started; // the value with which the run began
+  #edits;
   #kind;
   #slider = null; // {input, places}
-  #written = ""; // the text that the input held last, before somebody types on
-  #value;
+  #requests = false; // whether it has requested a value itself
+  #written = ""; // the text that the input held last, before a person types on
 
-  /** `name` is what the parameter is called within its stage. */
-  constructor(parameter, name, change_requests) {
+  /** `name` is what the parameter is called within its stage; `started` its value as the run began. */
+  constructor(parameter, name, started, edits) {
     this.#parameter = parameter;
-    this.#change_requests = change_requests;
+    this.#started = started;
+    this.#edits = edits;
     this.#kind = kind_of(parameter);
-    this.#value = parameter.value;
     const id = `setting-${++count}`;
     this.input = this.#make_input(id);
     this.outcome = element("p", { className: "outcome" });
@@ -35,11 +29,11 @@ export class Control {
       type: "button",
       className: "undo",
       textContent: "↺",
-      title: `Back to ${shown_value(parameter.default)}`,
+      title: `Back to ${shown_value(started)}, as the run began`,
     });
-    this.undo.setAttribute("aria-label", `${name}: back to the default`);
+    this.undo.setAttribute("aria-label", `${name}: back to ${shown_value(started)}`);
     this.undo.addEventListener("click", () => {
-      this.#write(parameter.default);
+      this.#write(started);
       this.#want();
     });
     this.element = this.#make_element(id, name);
@@ -48,8 +42,7 @@ export class Control {
   }
 
   get changed() {
-    const { default: usual } = this.#parameter;
-    return usual !== null && usual !== undefined && !same_value(this.#value, usual);
+    return !same_value(this.#parameter.value, this.#started);
   }
 
   /** Whether all words are in what the control says of itself. */
@@ -59,12 +52,13 @@ export class Control {
     return words.every((word) => text.includes(word));
   }
 
-  /** The value that holds now; what somebody is about to change stays as it is. */
-  update(value) {
-    this.#value = value;
+  /** The parameter as it is now; a value that a person is about to change stays. */
+  update(parameter) {
+    this.#parameter = parameter;
     this.#mark();
     const typing = document.activeElement === this.input && this.#text() !== this.#written;
-    if (!typing && !this.#change_requests.pending(this.#parameter.setting)) this.#write(value);
+    const waits = this.#requests && this.#edits.pending(parameter.setting);
+    if (!typing && !waits) this.#write(parameter.value);
   }
 
   #make_input(id) {
@@ -111,8 +105,7 @@ export class Control {
     const words = element("p", { className: "help", id: `${id}-help`, textContent: about });
     this.input.setAttribute("aria-describedby", words.id);
     this.input.addEventListener("change", () => this.#want());
-    const { default: usual } = this.#parameter;
-    const fixed = this.#kind === "shown" || usual === null || usual === undefined;
+    const fixed = this.#kind === "shown" || this.#started === null || this.#started === undefined;
     const row = element("div", { className: "row" }, ...this.#make_slider(name), this.input);
     if (!fixed) row.append(this.undo);
     const node = element("div", { className: `parameter ${this.#kind}` });
@@ -144,20 +137,20 @@ export class Control {
   }
 
   #want() {
-    const { setting } = this.#parameter;
     this.#speak();
     this.#written = this.#text();
-    const value = requested_value(this.#parameter, this.#text());
-    if (value === null) {
-      const wanted = this.#kind === "list" ? "numbers, with commas between them" : "a number";
-      this.#say(`not sent: this takes ${wanted}`, true);
-      return;
-    }
-    this.#change_requests.want(setting, `set ${setting}=${value}`, (told) => {
+    const is_value = this.#edits.request(this.#parameter, this.#text(), (told) => {
       const failed = told.outcome === "refused" || told.outcome === "unsent";
       this.#say(outcome_words(told), failed);
-      if (failed && !this.#change_requests.pending(setting)) this.#write(this.#value);
+      const { setting, value } = this.#parameter;
+      if (this.#edits.pending(setting)) return;
+      this.#requests = false;
+      if (failed) this.#write(value);
     });
+    this.#requests = is_value;
+    if (is_value) return;
+    const wanted = this.#kind === "list" ? "numbers, with commas between them" : "a number";
+    this.#say(`not sent: this takes ${wanted}`, true);
   }
 
   #say(words, bad) {

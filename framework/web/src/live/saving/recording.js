@@ -64,7 +64,9 @@ export class Recording {
       first may be absent. */
   push({ frame, time_s = null, report, image, picture, vertices_m, visible }) {
     const line = `${JSON.stringify({ ...report, frame, time_s })}\n`;
-    this.#frames.push({ frame, line, vertices_m, visible });
+    // Copies, since the arrays are views of whole messages.
+    const copies = { vertices_m: vertices_m?.slice(), visible: visible?.slice() };
+    this.#frames.push({ frame, line, ...copies });
     if (image) {
       const file = new StoredFile(`frames/${numbered(frame)}.jpg`).add(image, new Blob([image]));
       this.#images.push(file);

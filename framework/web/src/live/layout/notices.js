@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What somebody must see: warnings of the run, and what is wrong with the page's own work.
-import { element } from "../data.js";
+import { element } from "../../data.js";
 
 export class Notices {
   #shown = new Map(); // text -> element

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+// The 3D view with its buttons, legend and picked vertex; or words, where the browser has no WebGL.
+import { decode_frame } from "../link/messages.js";
+import { vertex_words } from "../words.js";
+import { Colouring, write_legend } from "./colouring.js";
+import { MeshView } from "./mesh_view.js";
+
+export class MeshPane {
+  #colouring = new Colouring();
+  #template = null;
+  #view = null;
+
+  /** `changed()` is called when another vertex is picked. */
+  constructor(root, notices, changed) {
+    this.root = root;
+    this.notices = notices;
+    this.vertex = root.querySelector("#vertex");
+    this.vertex.addEventListener("input", () => {
+      this.#pick(this.vertex.checkValidity() ? this.vertex.valueAsNumber : NaN);
+      changed();
+    });
+    for (const button of root.querySelectorAll("[data-view-from]")) {
+      button.addEventListener("click", () => this.fit(button.dataset.viewFrom));
+    }
+    const canvas = root.querySelector("#mesh");
+    try {
+      this.#view = new MeshView(canvas, root.querySelector("#scale-bar"), (vertex) => {
+        this.vertex.value = vertex ?? "";
+        this.#pick(vertex ?? NaN);
+        changed();
+      });
+    } catch (error) {
+      canvas.hidden = true;
+      root.querySelector("#scale-bar").hidden = true;
+      const words = root.querySelector("#no-mesh");
+      words.hidden = false;
+      words.textContent =
+        `This browser draws no 3D view: ${error.message}. Switch on WebGL (hardware ` +
+        "acceleration) in its settings. All other parts of the page work without it.";
+    }
+  }
+
+  /** Vertices [3 V] m that are drawn. */
+  positions() {
+    return this.#view?.positions() ?? [];
+  }
+
+  fit(from) {
+    this.#view?.fit(from);
+  }
+
+  render() {
+    this.#view?.view.render();
+  }
+
+  colour() {
+    this.#view?.colour();
+  }
+
+  begin(camera, template) {
+    this.#colouring = new Colouring();
+    this.#template = template;
+    const count = (template?.vertices_m.length ?? 0) / 3;
+    this.vertex.max = Math.max(0, count - 1);
+    this.vertex.value = "";
+    if (template && !template.edges.length) {
+      const faces = (template.faces.length / 3).toLocaleString("en");
+      this.notices.add(`The mesh has ${faces} faces: the page shows it without edges and strain.`);
+    }
+    this.#view?.begin(camera, template);
+    this.#pick(NaN);
+  }
+
+  #pick(vertex) {
+    this.#view?.trail.pick(Number.isInteger(vertex) ? vertex : null);
+  }
+
+  /** A frame with the choices {colouring, surroundings, other: {vertices_m, frame} or null, truth_m},
+      and the history up to the sample `until` for the trail. */
+  show(frame, { colouring, surroundings, other, truth_m, history, until }) {
+    const { shares, legend } = this.#colouring.of(colouring, frame, this.#template);
+    const view = this.#view;
+    let is_hatched = false;
+    if (view) {
+      view.compare(other?.vertices_m ?? null, truth_m);
+      view.surroundings.visible = surroundings;
+      view.view.show_axes(surroundings);
+      if (until && view.trail.vertex !== null) {
+        const first = history.samples[0].place;
+        const samples = history.samples.slice(0, until.place - first + 1);
+        view.trail.show(samples, ({ message }) => decode_frame(message).vertices_m);
+      }
+      is_hatched = view.show(frame, shares);
+    }
+    const truth_words = truth_m ? "ground truth" : "";
+    const beside = other?.vertices_m ? `frame ${other.frame}` : truth_words;
+    write_legend(this.root.querySelector("#legend"), legend, { is_hatched, beside });
+    this.#write_vertex(frame);
+  }
+
+  #write_vertex({ vertices_m, report }) {
+    const vertex = this.#view?.trail.vertex ?? null;
+    const has = vertex !== null && vertices_m?.length > 3 * vertex;
+    const words = has ? vertex_words(vertex, vertices_m, report?.std_mm) : "";
+    const picked = this.root.querySelector("#picked");
+    if (picked.value !== words) picked.value = words;
+  }
+}
