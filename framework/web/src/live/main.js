@@ -40,6 +40,7 @@ class Page {
   #frame = null; // that is shown
   #is_seeking = false; // an earlier frame is being read
   #compared = null; // place of the frame to compare with
+  #other = { place: null, vertices_m: null }; // that was read last
   #strips_at_s = 0;
   #frame_at_s = null; // when the last one arrived; null without a connection
   #ended = false; // by a request of this page
@@ -197,6 +198,8 @@ class Page {
       sample.delays.browser_ms = 1000 * (now_s() - arrived_s);
     } else {
       frame.picture?.close();
+      // The moment may have left the history.
+      if (this.playback.sample.frame !== this.#frame?.frame) this.#move();
     }
     if (this.#frame_at_s - this.#strips_at_s >= kStrips_ms / 1000) this.#draw_time();
   }
@@ -242,7 +245,12 @@ class Page {
   /** Vertices [3 V] m of the frame at a place of the history, or null. */
   #vertices_at(place) {
     const sample = place === null ? null : this.history.at(place);
-    return sample ? (decode_frame(sample.message).vertices_m ?? null) : null;
+    if (!sample) return null;
+    if (sample.place !== this.#other.place) {
+      const { vertices_m = null } = decode_frame(sample.message);
+      this.#other = { place: sample.place, vertices_m };
+    }
+    return this.#other.vertices_m;
   }
 
   /** Compares the moment with the frame before the last change, or ends that. */
@@ -257,10 +265,11 @@ class Page {
     if (!this.#frame) return;
     const { sample } = this.playback;
     const { beside } = this.options.mesh;
-    const compared = this.#compared ?? (beside === "before" && sample ? sample.place - 1 : null);
+    const place = this.#compared ?? (beside === "before" && sample ? sample.place - 1 : null);
+    const vertices_m = this.#vertices_at(place);
     this.mesh.show(this.#frame, {
       ...this.options.mesh,
-      other: compared === null ? null : { vertices_m: this.#vertices_at(compared), frame: this.history.at(compared)?.frame },
+      other: vertices_m && { vertices_m, frame: this.history.at(place).frame },
       truth_m: beside === "truth" ? (this.#frame.truth_m ?? null) : null,
       until: sample,
       history: this.history,

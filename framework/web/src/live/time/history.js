@@ -85,6 +85,12 @@ export class History {
     return this.#samples[Math.min(this.#samples.length - 1, Math.max(0, index))];
   }
 
+  /** The last `count` of them, up to that of a place. */
+  up_to(place, count) {
+    const end = place - (this.#samples[0]?.place ?? 0) + 1;
+    return this.#samples.slice(Math.max(0, end - count), Math.max(0, end));
+  }
+
   /** Those whose time is from `first_s` to `last_s`. */
   between(first_s, last_s) {
     const first = this.#first_from(first_s);

@@ -4,6 +4,7 @@ import { decode_frame } from "../link/messages.js";
 import { vertex_words } from "../words.js";
 import { Colouring, write_legend } from "./colouring.js";
 import { MeshView } from "./mesh_view.js";
+import { kTrail } from "./trail.js";
 
 export class MeshPane {
   #colouring = new Colouring();
@@ -82,18 +83,17 @@ export class MeshPane {
     const view = this.#view;
     let is_hatched = false;
     if (view) {
-      view.compare(other?.vertices_m ?? null, truth_m);
+      view.compare(other?.vertices_m, truth_m);
       view.surroundings.visible = surroundings;
       view.view.show_axes(surroundings);
       if (until && view.trail.vertex !== null) {
-        const first = history.samples[0].place;
-        const samples = history.samples.slice(0, until.place - first + 1);
-        view.trail.show(samples, ({ message }) => decode_frame(message).vertices_m);
+        const recent = history.up_to(until.place, kTrail);
+        view.trail.show(recent, ({ message }) => decode_frame(message).vertices_m);
       }
       is_hatched = view.show(frame, shares);
     }
     const truth_words = truth_m ? "ground truth" : "";
-    const beside = other?.vertices_m ? `frame ${other.frame}` : truth_words;
+    const beside = other ? `frame ${other.frame}` : truth_words;
     write_legend(this.root.querySelector("#legend"), legend, { is_hatched, beside });
     this.#write_vertex(frame);
   }

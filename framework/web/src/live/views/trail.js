@@ -12,12 +12,12 @@ import {
 } from "three";
 import { colour_of } from "../../view3d.js";
 
-const kMostPoints = 300; // frames
+export const kTrail = 300; // frames at most
 
 export class Trail extends Group {
   #vertex = null;
   #places = new Map(); // of frames -> [x, y, z] m
-  #position = new BufferAttribute(new Float32Array(3 * kMostPoints), 3);
+  #position = new BufferAttribute(new Float32Array(3 * kTrail), 3);
 
   constructor() {
     super();
@@ -51,12 +51,11 @@ export class Trail extends Group {
     this.dot.material.color = colour_of("--series-2");
   }
 
-  /** Draws the trail up to the last of the samples; `vertices_of(sample)` gives [3 V] m or none. */
+  /** Draws the trail through at most kTrail samples; `vertices_of(sample)` gives [3 V] m or none. */
   show(samples, vertices_of) {
     if (this.#vertex === null) return;
-    const recent = samples.slice(-kMostPoints);
-    const points = recent.map((sample) => this.#point_of(sample, vertices_of)).filter(Boolean);
-    const first = recent[0]?.place;
+    const points = samples.map((sample) => this.#point_of(sample, vertices_of)).filter(Boolean);
+    const first = samples[0]?.place;
     for (const place of this.#places.keys()) if (place < first) this.#places.delete(place);
     points.forEach((point, i) => this.#position.set(point, 3 * i));
     this.#position.needsUpdate = true;
