@@ -81,7 +81,7 @@ install_packages() {
 # Without a registry reports have tables only, and there is no live page; both report it.
 build_scripts() {
   local inputs
-  inputs=$(cat framework/web/package-lock.json framework/web/build.mjs framework/web/src/*.* framework/web/src/live/*.js | sha256sum)
+  inputs=$(cat framework/web/package-lock.json framework/web/build.mjs $(find framework/web/src -type f | LC_ALL=C sort) | sha256sum)
   if [[ -f framework/web/dist/report.js && -f framework/web/dist/live.js && $(cat framework/web/dist/inputs 2>/dev/null) == "$inputs" ]]; then
     return 0
   fi
