@@ -8,6 +8,8 @@ const load = module_loader(process.argv[2]);
 const parameters = await load("settings/parameters");
 const { ChangeRequests } = await load("link/change_requests");
 const { socket_address } = await load("link/connection");
+const { Edits } = await load("settings/edits");
+const { difference_of, pipeline_of } = await load("settings/difference");
 
 test("a slider gives each value that it shows", () => {
   for (const range of [
@@ -156,6 +158,110 @@ test("a change request without a connection says so", () => {
   assert.deepEqual(told, ["sent", "unsent", "unsent", "unsent"]);
   assert.equal(sent.length, 1);
   assert.equal(requests.pending("a"), false);
+});
+
+/** Edits of a run that grants all, or refuses. */
+function edits_by_hand() {
+  const sent = [];
+  const state = { refusal: "", now_ms: 0 };
+  const change_requests = {
+    pending: () => false,
+    want: (setting, text, told) => {
+      sent.push(text);
+      told({ outcome: state.refusal ? "refused" : "granted", refusal: state.refusal });
+    },
+  };
+  const edits = new Edits(change_requests, () => {}, () => state.now_ms);
+  return { edits, sent, state };
+}
+const number = (setting, value) => ({ setting, type: "f64", value });
+
+test("an edit is undone and made again", () => {
+  const { edits, sent, state } = edits_by_hand();
+  edits.request(number("f.a", 1), "2", () => {});
+  state.now_ms = 5000;
+  edits.request(number("f.b", 0.5), "0.25", () => {});
+  edits.undo();
+  edits.undo();
+  assert.equal(edits.can_undo, false);
+  edits.undo();
+  edits.redo();
+  edits.redo();
+  assert.equal(edits.can_redo, false);
+  assert.deepEqual(sent.splice(0), [
+    ...["set f.a=2", "set f.b=0.25", "set f.b=0.5", "set f.a=1", "set f.a=2", "set f.b=0.25"],
+  ]);
+  // Another edit, and nothing is left to make again.
+  edits.undo();
+  edits.request(number("f.a", 2), "3", () => {});
+  assert.equal(edits.can_redo, false);
+});
+
+test("movements of a slider are one edit, and so is a preset", () => {
+  const { edits, sent, state } = edits_by_hand();
+  for (const value of [2, 3, 4]) {
+    state.now_ms += 100;
+    edits.request(number("f.a", value - 1), String(value), () => {});
+  }
+  const group = edits.new_group();
+  edits.request(number("f.b", 1), "2", () => {}, group);
+  edits.request(number("f.c", 1), "2", () => {}, group);
+  sent.length = 0;
+  edits.undo();
+  assert.deepEqual(sent.splice(0), ["set f.c=1", "set f.b=1"]);
+  edits.undo();
+  assert.deepEqual(sent.splice(0), ["set f.a=1"]);
+  edits.redo();
+  assert.deepEqual(sent.splice(0), ["set f.a=4"]);
+});
+
+test("what the run refuses cannot be undone, and what is no value is not sent", () => {
+  const { edits, sent, state } = edits_by_hand();
+  state.refusal = "too large";
+  assert.equal(edits.request(number("f.a", 1), "9", () => {}), true);
+  assert.equal(edits.can_undo, false);
+  assert.equal(edits.request(number("f.a", 1), "x", () => {}), false);
+  assert.deepEqual(sent, ["set f.a=9"]);
+});
+
+test("changed settings are a pipeline that extends that of the run", () => {
+  const stage = (stage, ...parameters) => ({ stage, changeable: true, parameters });
+  const warp = { setting: "filters.warp", type: "component", value: "warps/bbs" };
+  const started = [
+    stage("filters", number("filters.a", 1), warp, number("filters.warp.r", 1)),
+    stage("filters#2", { setting: "filters#2.name", type: "text", value: "x" }),
+  ];
+  const stages = [
+    stage("filters", number("filters.a", 2), warp, number("filters.warp.r", [3, 4])),
+    stage("filters#2", { setting: "filters#2.name", type: "text", value: 'say "b": #c' }),
+  ];
+  const changes = difference_of(stages, started);
+  assert.deepEqual(changes.map(({ before }) => before), [1, 1, "x"]);
+  const lines = pipeline_of({ pipeline: "a/b.yaml", stages }, changes).split("\n").slice(1);
+  assert.deepEqual(lines, [
+    "weft: 1",
+    'extends: "b.yaml"',
+    "stages:",
+    '  - {as: "filters", params: {a: 2, warp: {use: warps/bbs, params: {r: [3,4]}}}}',
+    '  - {as: "filters#2", params: {name: "say \\"b\\": #c"}}',
+    "",
+  ]);
+  assert.deepEqual(difference_of(stages, stages), []);
+});
+
+test("on top are what the pipeline sets, or the first parameter of each stage", () => {
+  const set = (setting, value) => ({ setting, type: "f64", default: 1, value });
+  const file = { setting: "a.file", type: "input_path", value: "x" };
+  const stage = (name, changeable, ...parameters) => ({ stage: name, changeable, parameters });
+  const first = parameters.first_parameters([
+    stage("a", true, file, set("a.one", 1), set("a.two", 1)),
+    stage("b", true, set("b.one", 1), set("b.two", 2)),
+    stage("c", false, set("c.one", 1)),
+    stage("d", true, file),
+    ...["e", "f", "g", "h"].map((name) => stage(name, true, set(`${name}.one`, 1))),
+  ]);
+  const names = first.map(({ setting }) => setting);
+  assert.deepEqual(names, ["a.one", "b.two", "e.one", "f.one", "g.one"]);
 });
 
 test("the token goes from the page's address to the socket's", () => {

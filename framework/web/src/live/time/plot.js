@@ -86,9 +86,13 @@ export class Plot {
     }
   }
 
-  /** Bars of several parts, one above the other: `parts(sample)` are [[value, colour], ...]. */
+  /** Bars of several parts, one above the other: `parts(sample)` are [[value, colour], ...]. Of the
+      samples in one column of pixels the first is drawn. */
   stacks(samples, parts) {
+    let drawn = NaN;
     this.bars(samples, (sample, left, width) => {
+      if (left === drawn) return;
+      drawn = left;
       let below = 0;
       for (const [value, colour] of parts(sample)) {
         if (!(value > 0)) continue;
