@@ -25,6 +25,7 @@ void add_init_command(CLI::App& app, Context& context);
 void add_live_command(CLI::App& app, Context& context);
 void add_bench_command(CLI::App& app, Context& context);
 void add_check_command(CLI::App& app, Context& context);
+void add_graph_command(CLI::App& app, Context& context);
 void add_migrate_command(CLI::App& app, Context& context);
 void add_plugins_command(CLI::App& app, Context& context);
 void add_eval_command(CLI::App& app, Context& context);

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/core.h>
+
 #include <cstdio>
 #include <vector>
 #include <weft/core/version.hpp>
@@ -7,6 +9,8 @@
 #include "cli/output/home_paths.hpp"
 #include "cli/output/standard_output.hpp"
 #include "cli/run/sudden_end.hpp"
+#include "cli/shell/coloured_help.hpp"
+#include "cli/shell/command_table.hpp"
 #include "cli/shell/wrong_words.hpp"
 #include "host/records/memory_pool.hpp"
 
@@ -16,14 +20,13 @@ namespace {
 int run_command(const std::vector<std::string>& arguments) {
   std::vector<const char*> words;
   for (const std::string& argument : arguments) words.push_back(argument.c_str());
-  CLI::App app{"Weft recovers the 3D shape of a deforming surface from one camera and a template."};
+  CLI::App app{"Weft recovers the 3D shape of a deforming surface from one camera and a template.",
+               "weft"};
   app.set_version_flag("--version", weft::kVersion);
   app.require_subcommand(1);
   app.footer(
-      "Examples:\n"
-      "  weft live --demo                a simulated surface in the browser\n"
-      "  weft run pipelines/demo.yaml    a pipeline, into a run folder\n"
-      "Exit codes: without a command or with a wrong one 2; all commands exit with 3 when their "
+      "weft COMMAND --help has the options and exit codes of a command.\n"
+      "Exit codes: without a command or with a wrong one 2; all commands exit with 3 when their\n"
       "standard output cannot be written.");
   weft::cli::Context context;
   app.add_option("--plugin-path", context.plugin_path,
@@ -31,33 +34,15 @@ int run_command(const std::vector<std::string>& arguments) {
       ->option_text("FOLDER")
       ->allow_extra_args(false);
   app.fallthrough();
-  weft::cli::add_run_command(app, context);
-  weft::cli::add_track_command(app, context);
-  weft::cli::add_init_command(app, context);
-  weft::cli::add_live_command(app, context);
-  weft::cli::add_check_command(app, context);
-  weft::cli::add_migrate_command(app, context);
-  weft::cli::add_eval_command(app, context);
-  weft::cli::add_ablate_command(app, context);
-  weft::cli::add_compare_command(app, context);
-  weft::cli::add_data_command(app, context);
-  weft::cli::add_plugins_command(app, context);
-  weft::cli::add_replay_command(app, context);
-  weft::cli::add_bench_command(app, context);
-  weft::cli::add_doctor_command(app, context);
-  weft::cli::add_records_command(app, context);
-  weft::cli::add_metrics_command(app, context);
-  weft::cli::add_report_command(app, context);
-  weft::cli::add_template_command(app, context);
-  weft::cli::add_calibrate_command(app, context);
-  weft::cli::add_schema_command(app, context);
-  weft::cli::add_completion_command(app, context);
-  weft::cli::add_manual_command(app, context);
-  weft::cli::group_commands(app);
+  weft::cli::add_commands(app, context);
   try {
     app.parse(static_cast<int>(words.size()), words.data());
+  } catch (const CLI::CallForHelp&) {
+    const weft::cli::Colours colours = weft::cli::colours_of(stdout);
+    fmt::print("{}", weft::cli::coloured_help(app.help(), colours));
+    return weft::cli::kDone;
   } catch (const CLI::Success& asked) {
-    app.exit(asked);  // help or version
+    app.exit(asked);  // the version
     return weft::cli::kDone;
   } catch (const CLI::ParseError& error) {
     weft::cli::print_wrong_words(app, "weft", error);

@@ -162,8 +162,8 @@ TEST_F(BrokenInput, IsNamedWithItsPlaceWhenTheTextureIsMissing) {
   fs::remove(path("texture.png"));
   const Ended ended = run(images());
   EXPECT_EQ(ended.exit_code, 2);
-  EXPECT_EQ(ended.err, path("pipeline.yaml") + ":5:21: 'texture': there is no file " +
-                           path("texture.png") + "\n");
+  EXPECT_THAT(ended.err, StartsWith(path("pipeline.yaml") + ":5:21: 'texture': there is no file " +
+                                    path("texture.png") + "\n    5 | "));
 }
 
 TEST_F(BrokenInput, StopsBeforeTheFirstFrameForATextureThatIsUseless) {
@@ -206,9 +206,10 @@ TEST_F(BrokenInput, NamesAMisspeltParameter) {
   text.replace(text.find("max_keypoints"), 13, "max_keypiont");
   const Ended ended = run(text);
   EXPECT_EQ(ended.exit_code, 2);
-  EXPECT_EQ(ended.err, path("pipeline.yaml") +
-                           ":7:36: detectors/sift has no parameter 'max_keypiont'; did you mean "
-                           "'max_keypoints'?\n");
+  EXPECT_THAT(ended.err,
+              StartsWith(path("pipeline.yaml") +
+                         ":7:36: detectors/sift has no parameter 'max_keypiont'; did you "
+                         "mean 'max_keypoints'?\n    7 | "));
 }
 
 TEST_F(BrokenInput, IsNoErrorWhenTheObjectIsOutOfView) {

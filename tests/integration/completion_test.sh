@@ -47,6 +47,10 @@ expect_only 'list show why describe check new' weft plugins ''
 expect '--help --version --plugin-path' weft -
 expect '--set --out --dump --quiet --plugin-path' weft run -
 expect_only 'runs runs.yaml' weft run ru
+printf 'weft: 1\nsource: {use: sources/test.scripted}\ntemplate: {use: templates/test.scripted}\n' >runs.yaml
+expect_only 'source.frames= source.focal_px=' weft run runs.yaml --set source.f
+expect 'seed= template.columns=' weft check runs.yaml --set ''
+expect_only '' weft run --set source.f
 expect_only 'runs' weft run --out ru
 expect_only 'runs' weft --plugin-path ru
 expect_only 'none scale rigid all' weft eval --alignment ''

@@ -133,7 +133,9 @@ TEST_F(OneLineChanges, WorkThatWouldBeLostIsRefusedWithTheFix) {
       path("pipeline.yaml") +
           ":15:5: no component reads the correspondences of 'matchers', because 'matchers#2' makes "
           "new ones; name it with as: NAME and take what it makes with from: {correspondences: "
-          "NAME}, or omit all unused ones: --set without=detectors,matchers\n");
+          "NAME}, or omit all unused ones: --set without=detectors,matchers\n"
+          "   15 |   - use: matchers/descriptor\n"
+          "      |     ^\n");
   const Ended merged = weft("check", replaced(demo_, kMatcher,
                                               "  - use: matchers/descriptor\n"
                                               "  - use: detectors/orb\n"

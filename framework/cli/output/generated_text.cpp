@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <weft/core/index.hpp>
 
+#include "cli/output/report_text.hpp"
+
 namespace weft::cli {
 
 void GeneratedText::add(const std::string& lines, const std::string& argument) {
@@ -18,9 +20,8 @@ std::string GeneratedText::report_text(const ConfigReport& report, const std::st
     const bool is_here = report.sources.at(to_index(problem.at.source)).name == file;
     const std::size_t line = to_index(std::max(problem.at.line, 1) - 1);
     const std::string& argument = line < arguments_.size() ? arguments_[line] : otherwise_;
-    const std::string place = is_here ? argument : place_in(report.sources, problem.at);
-    const bool has_place = !is_here && problem.at.line > 0;
-    const std::string said = (has_place ? "" : "error: ") + place + ": " + problem.message + "\n";
+    const std::string said = is_here ? "error: " + argument + ": " + problem.message + "\n"
+                                     : problem_text(report.sources, problem);
     if (text.find(said) == std::string::npos) text += said;  // both pipelines read an argument
   }
   return text;

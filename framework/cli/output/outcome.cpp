@@ -7,12 +7,17 @@
 #include <string>
 #include <weft/core/quote.hpp>
 
+#include "cli/output/colours.hpp"
+#include "cli/output/source_excerpt.hpp"
+
 namespace weft::cli {
 
 void print_error(const Error& error) {
-  const std::string line = fmt::format("error: {}{}{}\n", escaped(error.where),
-                                       error.where.empty() ? "" : ": ", error.message);
-  std::fputs(line.c_str(), stderr);  // this failure cannot be reported any more
+  const Colours colours = colours_of(stderr);
+  const std::string text =
+      fmt::format("{}error:{} {}{}{}\n{}", colours.error, colours.end, escaped(error.where),
+                  error.where.empty() ? "" : ": ", error.message, source_excerpt(error.where));
+  std::fputs(text.c_str(), stderr);  // this failure cannot be reported any more
 }
 
 }  // namespace weft::cli

@@ -15,7 +15,7 @@ inline constexpr int kBadConfiguration = 2;
 inline constexpr int kInputOutput = 3;
 inline constexpr int kComponentExited = 4;
 
-/// Prints "error: where: message" to stderr.
+/// Prints "error: where: message" to stderr, with the line of a place in a file below it.
 void print_error(const Error& error);
 
 }  // namespace weft::cli

@@ -1,22 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fmt/core.h>
+#include <string>
 
-#include <cstdio>
-
-#include "cli/output/outcome.hpp"
 #include "pipeline/configuration/config.hpp"
 
 namespace weft::cli {
 
-/// Prints the errors of files to stderr: "FILE:LINE:COLUMN: message", and "error: FILE: message" of
-/// a file as a whole, as of all other files.
-inline void print_report(const ConfigReport& report) {
-  for (const yaml::Problem& problem : report.problems) {
-    const std::string where = place_in(report.sources, problem.at);
-    fmt::print(stderr, "{}{}: {}\n", problem.at.line == 0 ? "error: " : "", where, problem.message);
-  }
-}
+/// "FILE:LINE:COLUMN: message" with the line below it, see source_excerpt(), and
+/// "error: FILE: message" of a file as a whole, as of all other files.
+std::string problem_text(const std::vector<ConfigSource>& sources, const yaml::Problem& problem);
+
+/// Prints the errors of files to stderr, each as problem_text().
+void print_report(const ConfigReport& report);
 
 }  // namespace weft::cli

@@ -10,10 +10,8 @@ namespace weft::cli {
 
 void add_schema_command(CLI::App& app, Context& context) {
   const auto kind = std::make_shared<std::string>("pipeline");
-  CLI::App* command =
-      app.add_subcommand("schema",
-                         "Print the JSON Schema of pipelines or of ablation plans, for editors, "
-                         "with the plugins that are installed");
+  CLI::App* command = app.add_subcommand(
+      "schema", "Print the JSON Schema of pipelines or plans with the installed plugins");
   command->add_option("KIND", *kind, "What is to be edited")
       ->option_text("pipeline|plan (default: pipeline)")
       ->check(CLI::IsMember({"pipeline", "plan"}));

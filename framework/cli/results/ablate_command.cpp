@@ -6,15 +6,18 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <weft/core/shell_word.hpp>
 
 #include "cli/commands.hpp"
 #include "cli/output/duration_text.hpp"
 #include "cli/output/report_text.hpp"
+#include "cli/output/scratch_folder.hpp"
 #include "cli/results/ablate_plan.hpp"
 #include "cli/results/ablate_slurm.hpp"
 #include "cli/results/cell_failures.hpp"
 #include "cli/results/forecast_text.hpp"
+#include "cli/results/varied_plan.hpp"
 #include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/standard_components.hpp"
@@ -29,7 +32,7 @@ using Clock = std::chrono::steady_clock;
 
 struct AblateOptions {
   std::string plan, folder, engine = "local", isolate = "auto";
-  std::vector<std::string> settings, without;
+  std::vector<std::string> settings, without, varied;
   int jobs = 1;
   bool timing = false, accept_rebuilt = false, status = false, quiet = false;
   std::vector<std::string> retry;
@@ -192,6 +195,19 @@ void ablate(AblateOptions options, Context& context) {
     context.exit_code = error.code == Errc::invalid_value ? kBadConfiguration : kInputOutput;
   };
   const auto registry = context.registry();
+  std::optional<ScratchFolder> scratch;
+  if (!options.varied.empty()) {
+    auto made = ScratchFolder::make("weft-ablate");
+    if (!made) return fail(made.error());
+    scratch.emplace(*std::move(made));
+    const VariedPipeline varied{options.plan, options.varied, options.settings, options.without};
+    const auto plan = write_varied_plan(varied, registry, *scratch, options.status, options.folder);
+    if (!plan) {
+      context.exit_code = kBadConfiguration;
+      return;
+    }
+    options.plan = *plan;
+  }
   auto [grid, report] = lab::load_grid(options.plan, registry, options.settings, standard_helpers(),
                                        options.without, isolating_of(options.isolate));
   fmt::print(stderr, "{}", report.warning_text());
@@ -249,8 +265,17 @@ void ablate_plan(const std::string& plan, const std::string& folder, int jobs,
 void add_ablate_command(CLI::App& app, Context& context) {
   const auto options = std::make_shared<AblateOptions>();
   CLI::App* command =
-      app.add_subcommand("ablate", "Run a grid of pipelines that a plan describes; resumes");
-  command->add_option("PLAN", options->plan, "Plan (YAML)")->required();
+      app.add_subcommand("ablate", "Run a grid of pipelines, of a plan or of --vary; resumes");
+  command->add_option("PLAN", options->plan, "Plan (YAML), or a pipeline with --vary")
+      ->type_name("")
+      ->required();
+  command
+      ->add_option("--vary", options->varied,
+                   "PATH=VALUE,VALUE of a pipeline, such as filters.use=filters/aem,filters/vfc or "
+                   "source.seed=1..8: runs all combinations, and writes the plan beside the "
+                   "results; may be repeated")
+      ->option_text("PATH=VALUES")
+      ->allow_extra_args(false);
   command->add_option(
       "--out", options->folder,
       "Results folder, new or of this plan (default: ablations/<name of the plan>)");

@@ -10,6 +10,8 @@
 #include "cli/run/run_settings.hpp"
 #include "cli/standard_components.hpp"
 #include "lab/ablation/plan/grid.hpp"
+#include "pipeline/overview/origins.hpp"
+#include "pipeline/overview/settable.hpp"
 #include "pipeline/runs/run.hpp"
 
 namespace weft::cli {
@@ -17,6 +19,7 @@ namespace {
 
 struct CheckOptions {
   std::vector<std::string> files, settings, without;
+  bool show = false, list = false;
 };
 
 /// Messages about a valid file; the report has the errors of an invalid one.
@@ -37,8 +40,39 @@ std::pair<std::string, ConfigReport> check_file(const std::string& file,
           std::move(report)};
 }
 
+/// Prints one pipeline with the origins of its values, or what can be set in it. `list` also works
+/// for a pipeline with errors, since completion needs it while a command line is typed.
+void show(const CheckOptions& options, const host::Registry& registry, Context& context) {
+  const std::string& file = options.files.front();
+  if (options.files.size() > 1 || lab::is_plan(file)) {
+    print_error({Errc::invalid_value, "--show and --list take one pipeline", options.files.back()});
+    context.exit_code = kBadConfiguration;
+    return;
+  }
+  const std::string folder = std::filesystem::absolute(free_folder(file)).string();
+  PipelineDocument document =
+      read_document(file, options.settings, registry, host::PathRules::of_process({}, folder));
+  const yaml::Node root = document.root;
+  host::ComponentChecks checks = checks_of(file);
+  const auto [pipeline, report] =
+      check_pipeline(file, std::move(document), registry, folder, &checks);
+  fmt::print(stderr, "{}", report.warning_text());
+  if (!report.ok()) {
+    print_report(report);
+    context.exit_code = kBadConfiguration;
+  }
+  if (options.list) {
+    for (const Settable& each : settable_in(pipeline.config, root)) {
+      fmt::print("{}\t{}\t{}\n", each.path, each.value, each.help);
+    }
+  } else if (report.ok()) {
+    fmt::print("{}", yaml_with_origins(pipeline.config, root));
+  }
+}
+
 void check(const CheckOptions& options, Context& context) {
   const host::Registry registry = context.registry();
+  if (options.show || options.list) return show(options, registry, context);
   for (const std::string& file : options.files) {
     if (!options.without.empty() && !lab::is_plan(file)) {
       print_error({Errc::invalid_value,
@@ -68,6 +102,13 @@ void add_check_command(CLI::App& app, Context& context) {
       ->required();
   add_settings(*command, options->settings);
   add_without(*command, options->without);
+  CLI::Option* show = command->add_flag(
+      "--show", options->show,
+      "Print the merged pipeline, as YAML that can be run, with the origin of each value");
+  command
+      ->add_flag("--list", options->list,
+                 "Print what --set can set in a pipeline: path, value and meaning, with tabs")
+      ->excludes(show);
   command->footer(
       "Exit codes:\n"
       "  0  the pipelines, and every cell of the plans, can be run\n"

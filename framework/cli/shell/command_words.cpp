@@ -27,6 +27,7 @@ Completed completed_by(const OptionWords& option) {
   for (const char* folder : {"DIR", "FOLDER", "RUN"}) {
     if (word == folder) return Completed::folder;
   }
+  if (word.starts_with("PATH=VALUE")) return Completed::setting;
   return word == "ID" || word == "ID_OR_FILE" ? Completed::plugin : Completed::file;
 }
 
@@ -55,6 +56,7 @@ void add(const CLI::App& app, const std::string& path, const std::vector<OptionW
          std::vector<CommandWords>& all) {
   CommandWords words;
   words.path = path;
+  words.group = app.get_group();
   words.help = app.get_description();
   words.footer = app.get_footer();
   words.usage = CLI::Formatter().make_usage(&app, path);

@@ -9,7 +9,7 @@
 namespace weft::cli {
 
 /// Completions of a word of the command line.
-enum class Completed : std::uint8_t { flag, file, folder, plugin, choice };
+enum class Completed : std::uint8_t { flag, file, folder, plugin, setting, choice };
 
 /// An option or a positional argument, as the help of its command has it.
 struct OptionWords {
@@ -23,7 +23,8 @@ struct OptionWords {
 
 /// A command, or the program itself.
 struct CommandWords {
-  std::string path;  ///< "weft plugins show"
+  std::string path;   ///< "weft plugins show"
+  std::string group;  ///< its heading in the help of the program
   std::string help, usage, footer;
   std::vector<OptionWords> options;
   std::vector<std::string> commands;  ///< names of those below it

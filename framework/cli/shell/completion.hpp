@@ -8,8 +8,9 @@
 
 namespace weft::cli {
 
-// Scripts that complete commands, options, their choices, files, folders and ids of plugins. They
-// call the program for the ids.
+// Scripts that complete commands, options, their choices, files, folders, ids of plugins, and the
+// paths of settings of the pipeline that the command line names. They call the program for ids and
+// paths.
 std::string bash_completion(const std::vector<CommandWords>& commands);
 std::string zsh_completion(const std::vector<CommandWords>& commands);
 std::string fish_completion(const std::vector<CommandWords>& commands);

@@ -15,6 +15,15 @@ _weft_plugins() {
   weft plugins list 2>/dev/null | sed -n 's|^\([a-z]*/[^ ]*\) .*|\1|p'
 }
 
+_weft_settings() {
+  local word
+  for word in "${COMP_WORDS[@]}"; do
+    [[ $word == *.y?(a)ml && -f $word ]] || continue
+    weft check --list "$word" 2>/dev/null | sed 's|\t.*|=|'
+    return
+  done
+}
+
 _weft() {
   local at=weft words='' options='' action='' i
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]}
@@ -50,6 +59,8 @@ std::string assignments_of(const OptionWords& option) {
       return "action=-d";
     case Completed::plugin:
       return "words=$(_weft_plugins)";
+    case Completed::setting:
+      return "words=\" $(_weft_settings)\"; compopt -o nospace 2>/dev/null";
     case Completed::choice:
       return fmt::format("words='{}'", fmt::join(option.choices, " "));
   }

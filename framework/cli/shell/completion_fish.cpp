@@ -13,6 +13,15 @@ function __weft_plugins
     weft plugins list 2>/dev/null | string match -r -g '^([a-z]+/\S+) '
 end
 
+function __weft_settings
+    for word in (commandline -opc)
+        if string match -q -r '\.ya?ml$' -- $word; and test -f $word
+            weft check --list $word 2>/dev/null | string replace -r '^([^\t]*)\t[^\t]*' '$1='
+            return
+        end
+    end
+end
+
 function __weft_at
     set -l at weft
     for word in (commandline -opc)[2..-1]
@@ -49,6 +58,8 @@ std::string values_of(const OptionWords& option) {
       return " -f -a '(__fish_complete_directories)'";
     case Completed::plugin:
       return " -f -a '(__weft_plugins)'";
+    case Completed::setting:
+      return " -f -a '(__weft_settings)'";
     case Completed::choice:
       return fmt::format(" -f -a '{}'", fmt::join(option.choices, " "));
   }

@@ -16,6 +16,17 @@ _weft_plugins() {
   compadd -- ${(f)"$(weft plugins list 2>/dev/null | sed -n 's|^\([a-z]*/[^ ]*\) .*|\1|p')"}
 }
 
+_weft_settings() {
+  local word
+  local -a settings
+  for word in "${(@)words}"; do
+    [[ $word == *.y(a|)ml && -f $word ]] || continue
+    settings=(${(f)"$(weft check --list "$word" 2>/dev/null | awk -F '\t' '{print $1 ":" $3}')"})
+    _describe setting settings -S =
+    return
+  done
+}
+
 _weft() {
   local at=weft word
   local -a commands options
@@ -48,6 +59,8 @@ std::string command_for(const OptionWords& option) {
       return "_files -/";
     case Completed::plugin:
       return "_weft_plugins";
+    case Completed::setting:
+      return "_weft_settings";
     case Completed::choice:
       return fmt::format("compadd -- {}", fmt::join(option.choices, " "));
   }

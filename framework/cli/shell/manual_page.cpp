@@ -78,8 +78,12 @@ std::string manual_page(const CommandWords& command, const std::vector<CommandWo
   std::string page = fmt::format(".TH \"{}\" 1 \"\" \"Weft {}\" \"Weft\"\n", plain(name), kVersion);
   page += section("NAME", plain(name) + " \\- " + plain(command.help) + "\n");
   page += section("SYNOPSIS", bold(command.path) + plain(command.usage) + "\n");
-  std::string commands;
+  std::string commands, group;
   for (const CommandWords* each : below(command, all)) {
+    if (&command == &all.front() && each->group != group) {
+      group = each->group;
+      commands += ".SS " + plain(group) + "\n";
+    }
     commands += entry(bold(manual_name(*each)) + "(1)", each->help);
   }
   page += section("COMMANDS", commands);

@@ -10,6 +10,7 @@
 #include <weft/core/suggest.hpp>
 
 #include "cli/output/outcome.hpp"
+#include "cli/shell/coloured_help.hpp"
 
 namespace weft::cli {
 namespace {
@@ -126,22 +127,6 @@ std::string sentence(const CLI::App& program, const Given& given, const CLI::Par
 
 }  // namespace
 
-void group_commands(CLI::App& program) {
-  struct Group {
-    const char* name;
-    std::vector<const char*> commands;
-  };
-  const std::vector<Group> groups{
-      {"Begin", {"track", "live", "init", "run", "check", "migrate"}},
-      {"Data, templates and cameras", {"data", "template", "calibrate"}},
-      {"Results", {"eval", "compare", "ablate", "report", "metrics", "bench", "replay"}},
-      {"Plugins", {"plugins", "doctor", "records", "schema"}},
-      {"Shell", {"completion", "manual"}}};
-  for (const Group& group : groups) {
-    for (const char* command : group.commands) program.get_subcommand(command)->group(group.name);
-  }
-}
-
 void print_wrong_words(const CLI::App& program, const std::string& name,
                        const CLI::ParseError& error) {
   const Given given = given_command(program, name);
@@ -150,7 +135,8 @@ void print_wrong_words(const CLI::App& program, const std::string& name,
   if (lacks_command && program.remaining(true).empty()) {
     const std::size_t last = given.path.rfind(' ');  // help() adds the name of the command
     const bool is_below = given.command != &program;
-    fmt::print(stderr, "{}\n", given.command->help(is_below ? given.path.substr(0, last) : ""));
+    const std::string help = given.command->help(is_below ? given.path.substr(0, last) : "");
+    fmt::print(stderr, "{}\n", coloured_help(help, colours_of(stderr)));
     print_error({Errc::invalid_value, fmt::format("give {} a command", given.path), {}});
     return;
   }

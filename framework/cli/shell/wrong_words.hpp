@@ -6,9 +6,6 @@
 
 namespace weft::cli {
 
-/// Puts the commands of the program under headings of its help.
-void group_commands(CLI::App& program);
-
 /// Prints to stderr what is wrong with a command line that CLI11 refuses, and what to do. An option
 /// that the command does not have is named before what is missing because of it. Where a command is
 /// missing, as in "weft" and "weft data", the help is printed that lists them. `name` is how the

@@ -37,7 +37,7 @@ class CommandLine : public testing::PipelineTest {
 
 TEST_F(CommandLine, WithoutACommandShowsTheCommandsInGroupsWithTwoExamples) {
   const std::string all = refusal({});
-  EXPECT_THAT(all, AllOf(HasSubstr("\nBegin:\n  run "), HasSubstr("\nResults:\n  eval "),
+  EXPECT_THAT(all, AllOf(HasSubstr("\nStart here:\n  live "), HasSubstr("\nMeasure:\n  eval "),
                          HasSubstr("weft live --demo"), HasSubstr("weft run pipelines/demo.yaml")));
   EXPECT_THAT(all, ::testing::EndsWith("error: give weft a command\n"));
   const std::string group = refusal({"data"});
