@@ -8,6 +8,48 @@
 #include <weft/core/index.hpp>
 
 namespace weft::live {
+namespace {
+
+/// More would be large in a message and crowded on a screen.
+constexpr std::int64_t kMostPoints = 4000;
+
+/// Calls `take(i)` for all of `count` indices, or for as many evenly spaced ones as are sent.
+template <class Take>
+void select(std::int64_t count, Take take) {
+  const std::int64_t taken = std::min(count, kMostPoints);
+  for (std::int64_t i = 0; i < taken; ++i) take(i * count / taken);
+}
+
+void add_points(std::vector<float>& points, const Array<double>& from) {
+  if (!from.present()) return;
+  select(from.rows(), [&](std::int64_t i) {
+    for (int axis = 0; axis < 3; ++axis) points.push_back(static_cast<float>(from(i, axis)));
+  });
+}
+
+}  // namespace
+
+MatchCopy copy_of(const Correspondences& matches, double texture_width_px,
+                  double texture_height_px) {
+  MatchCopy copy;
+  copy.count = matches.count();
+  select(copy.count, [&](std::int64_t i) {
+    copy.px.push_back(static_cast<float>(matches.image_px(i, 0)));
+    copy.px.push_back(static_cast<float>(matches.image_px(i, 1)));
+    copy.uv.push_back(static_cast<float>((matches.template_px(i, 0) + 0.5) / texture_width_px));
+    copy.uv.push_back(static_cast<float>((matches.template_px(i, 1) + 0.5) / texture_height_px));
+    copy.kept.push_back(matches.kept(i));
+    copy.score.push_back(static_cast<float>(matches.score(i)));
+  });
+  return copy;
+}
+
+std::vector<float> points_of(const GroundTruth& truth) {
+  std::vector<float> points;
+  add_points(points, truth.points_m);
+  add_points(points, truth.cloud_m);
+  return points;
+}
 
 std::string jpeg_of(const Array<std::uint8_t>& pixels, const PictureStyle& style) {
   if (!pixels.present() || pixels.size() == 0) return {};

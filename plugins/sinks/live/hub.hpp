@@ -87,6 +87,7 @@ struct Hub {
   std::shared_ptr<ShownFrame> newest;  ///< null before the first one, and when it has passed
   std::uint64_t frame_count = 0;       ///< counts up with each newest frame
   std::string settings;                ///< one JSON object; empty before the first ones
+  std::string started_with;            ///< the first ones of the run
   std::uint64_t settings_count = 0;
   bool is_paused = false;
   bool has_left = false;          ///< the run goes on since the client that paused it has left

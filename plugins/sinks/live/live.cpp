@@ -17,7 +17,9 @@ namespace {
 /// change the run.
 class Live final : public Sink {
  public:
-  static constexpr About kAbout{.reads = "image time shape visibility frame_report run_settings"};
+  static constexpr About kAbout{
+      .reads =
+          "image time correspondences visibility shape ground_truth frame_report run_settings"};
 
   explicit Live(Params& p) {
     p.text("address", address_,
@@ -49,6 +51,8 @@ class Live final : public Sink {
   Result<void> prepare(const PrepareInput& in) override {
     vertex_count_ = in.templ.vertices_m.rows();
     camera_ = in.camera;
+    texture_width_px_ = static_cast<double>(in.templ.texture.dim(1));
+    texture_height_px_ = static_cast<double>(in.templ.texture.dim(0));
     faces_.clear();
     for (std::int64_t f = 0; f < in.templ.faces.rows(); ++f) {
       faces_.insert(faces_.end(), in.templ.faces.row(f), in.templ.faces.row(f) + 3);
@@ -89,6 +93,7 @@ class Live final : public Sink {
     } else {
       run_channel_.pass_frame();
     }
+    ++written_;
     return {};
   }
 
@@ -134,9 +139,14 @@ class Live final : public Sink {
     shown.frame = in.call.frame();
     const std::chrono::nanoseconds since_open = std::chrono::steady_clock::now() - opened_;
     shown.taken_ns = static_cast<std::uint64_t>(since_open.count());
+    shown.written = written_;
     if (in.time) shown.time_s = in.time->t_s;
     if (in.image) shown.pixels = owned(in.image->pixels);
     if (in.frame_report) shown.report = in.frame_report->json;
+    if (in.correspondences) {
+      shown.matches = copy_of(*in.correspondences, texture_width_px_, texture_height_px_);
+    }
+    if (in.ground_truth) shown.truth_m = points_of(*in.ground_truth);
     if (!in.shape) return shown;
     shown.state = in.shape->shape_state();
     shown.vertices_m.reserve(to_index(3 * vertex_count_));
@@ -156,11 +166,13 @@ class Live final : public Sink {
   PictureStyle style_;
 
   std::int64_t vertex_count_ = 0;
+  double texture_width_px_ = 0.0, texture_height_px_ = 0.0;
   Camera camera_;
   std::vector<std::int32_t> faces_;
   std::string scene_;
   std::optional<std::uint64_t> settings_revision_;
-  RunChannel run_channel_;  // outlives the server
+  std::uint64_t written_ = 0;  ///< [] frames
+  RunChannel run_channel_;     // outlives the server
   std::unique_ptr<Server> server_;
   std::chrono::steady_clock::time_point opened_;
 };

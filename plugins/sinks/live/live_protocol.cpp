@@ -15,7 +15,7 @@ class LiveProtocol final : public Protocol {
     if (!is_greeted_) {
       is_greeted_ = true;
       settings_had_ = hub_.settings_count;
-      return text_message(hello_message(hub_.setup.scene, hub_.settings));
+      return text_message(hello_message(hub_.setup.scene, hub_.settings, hub_.started_with));
     }
     if (!answers_.empty()) {
       Outgoing answer = text_message(std::move(answers_.front()));

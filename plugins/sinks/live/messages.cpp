@@ -77,9 +77,37 @@ void put(std::string& bytes, std::uint32_t number) {
   bytes.append(reinterpret_cast<const char*>(&number), sizeof number);
 }
 
-void put_part(std::string& bytes, const void* part, std::size_t count) {
-  if (count > 0) bytes.append(static_cast<const char*>(part), count);
-  bytes.append((4 - count % 4) % 4, '\0');
+struct Part {
+  const char* name;
+  const char* type;
+  const void* data;
+  std::size_t bytes;
+};
+
+template <class Number>
+Part part_of(const char* name, const char* type, const std::vector<Number>& numbers) {
+  return {name, type, numbers.data(), numbers.size() * sizeof(Number)};
+}
+
+/// Those that are not empty.
+std::vector<Part> parts_of(const FrameCopy& frame, const std::string& jpeg) {
+  std::vector<Part> parts = {{"image", "jpeg", jpeg.data(), jpeg.size()},
+                             part_of("vertices_m", "f32", frame.vertices_m),
+                             part_of("visible", "u8", frame.visible),
+                             part_of("match_px", "f32", frame.matches.px),
+                             part_of("match_uv", "f32", frame.matches.uv),
+                             part_of("match_kept", "u8", frame.matches.kept),
+                             part_of("match_score", "f32", frame.matches.score),
+                             part_of("truth_m", "f32", frame.truth_m)};
+  parts.erase(
+      std::remove_if(parts.begin(), parts.end(), [](const Part& part) { return part.bytes == 0; }),
+      parts.end());
+  return parts;
+}
+
+void put_part(std::string& bytes, const Part& part) {
+  bytes.append(static_cast<const char*>(part.data), part.bytes);
+  bytes.append((4 - part.bytes % 4) % 4, '\0');
 }
 
 /// True if it could end a line of a log, or hide the rest of a text in C.
@@ -115,9 +143,14 @@ std::string scene_members(const Template& templ, const Camera& camera) {
   return text;
 }
 
-std::string hello_message(const std::string& scene, const std::string& settings) {
+std::string hello_message(const std::string& scene, const std::string& settings,
+                          const std::string& started_with) {
   std::string text = "{\"type\":\"hello\"," + scene + ",";
   add_object(text, "settings", settings);
+  if (started_with != settings) {
+    text += ",";
+    add_object(text, "started_with", started_with);
+  }
   return text + "}";
 }
 
@@ -150,38 +183,37 @@ std::string still_message(bool is_still) {
 }
 
 std::string frame_message(const FrameCopy& frame, const std::string& jpeg) {
-  const std::size_t vertex_bytes = frame.vertices_m.size() * sizeof(float);
+  const std::vector<Part> parts = parts_of(frame, jpeg);
   std::string text = "{\"frame\":";
   add_number(text, frame.frame);
   text += ",\"time_s\":";
   add_number(text, frame.time_s);
   text += ",\"taken_s\":";
   add_number(text, static_cast<double>(frame.taken_ns) / 1e9);
+  text += ",\"written\":";
+  add_number(text, frame.written);
+  text += ",\"matches\":";
+  add_number(text, frame.matches.count);
   text += ",";
   add_object(text, "report", frame.report);
   text += ",\"parts\":[";
-  std::size_t parts = 0;
-  const auto add_part = [&](const char* name, const char* type, std::size_t bytes) {
-    if (bytes == 0) return;
-    text += std::string(parts++ > 0 ? "," : "") + "{\"name\":\"" + name + "\",\"type\":\"" + type +
-            "\",\"bytes\":";
-    add_number(text, bytes);
+  std::size_t size = 0;
+  for (const Part& part : parts) {
+    text += std::string(&part == parts.data() ? "" : ",") + "{\"name\":\"" + part.name +
+            "\",\"type\":\"" + part.type + "\",\"bytes\":";
+    add_number(text, part.bytes);
     text += "}";
-  };
-  add_part("image", "jpeg", jpeg.size());
-  add_part("vertices_m", "f32", vertex_bytes);
-  add_part("visible", "u8", frame.visible.size());
+    size += part.bytes + 4;
+  }
   text += "]}";
   text.append((4 - text.size() % 4) % 4, ' ');  // the next bytes are at multiples of 4
 
   std::string bytes;
-  bytes.reserve(text.size() + jpeg.size() + vertex_bytes + frame.visible.size() + 20);
+  bytes.reserve(text.size() + size + 8);
   put(bytes, kMagic);
   put(bytes, static_cast<std::uint32_t>(text.size()));
   bytes += text;
-  put_part(bytes, jpeg.data(), jpeg.size());
-  put_part(bytes, frame.vertices_m.data(), vertex_bytes);
-  put_part(bytes, frame.visible.data(), frame.visible.size());
+  for (const Part& part : parts) put_part(bytes, part);
   return bytes;
 }
 

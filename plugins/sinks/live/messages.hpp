@@ -17,8 +17,10 @@ namespace weft::live {
 /// The data that do not change in a run: `"weft":..,"camera":{..},"template":{..}`.
 std::string scene_members(const Template& templ, const Camera& camera);
 
-/// `settings` is a JSON object, or empty where nothing is known.
-std::string hello_message(const std::string& scene, const std::string& settings);
+/// Each of `settings` and `started_with`, the settings of the run's first frame, is a JSON object,
+/// or empty where nothing is known.
+std::string hello_message(const std::string& scene, const std::string& settings,
+                          const std::string& started_with);
 std::string settings_message(const std::string& settings);
 std::string answer_message(std::uint64_t number, std::uint64_t frame, const std::string& refusal);
 /// The pause state of the run, whichever client requested it.

@@ -120,6 +120,7 @@ class TcpServer final : public Server {
     Arrivals arrivals = hub_.run_channel.take();
     if (arrivals.settings) {
       hub_.settings = *std::move(arrivals.settings);
+      if (hub_.settings_count == 0) hub_.started_with = hub_.settings;
       ++hub_.settings_count;
     }
     if (arrivals.is_passed) hub_.newest.reset();

@@ -74,6 +74,7 @@ TEST_F(LiveSink, ShowsFramesToWhoIsThere) {
   const Decoded decoded = viewer.frame();
   EXPECT_EQ(decoded.head["frame"], 1);
   EXPECT_EQ(decoded.head["time_s"], 1.5);
+  EXPECT_EQ(decoded.head["written"], 1);
   EXPECT_EQ(decoded.head["report"]["state"], "estimated");
   EXPECT_EQ(decoded.parts.at("image").substr(0, 3), "\xFF\xD8\xFF");
   EXPECT_EQ(decoded.parts.at("vertices_m").size(), 48U);
@@ -82,6 +83,11 @@ TEST_F(LiveSink, ShowsFramesToWhoIsThere) {
   settings_.json = R"({"stages":[{"stage":"filters"}]})";
   ASSERT_EQ(write(sink, 2).status, WEFT_OK);
   EXPECT_EQ(viewer.text()["settings"]["stages"][0]["stage"], "filters");
+  // A later client can compare them with those of the beginning.
+  Viewer later(port_);
+  const json greeting = later.text();
+  EXPECT_EQ(greeting["settings"]["stages"].size(), 1U);
+  EXPECT_EQ(greeting["started_with"]["stages"].size(), 0U);
   EXPECT_EQ(sink.process(kFinish, {}).status, WEFT_OK);
 }
 

@@ -44,7 +44,8 @@ TEST(LiveMessages, WriteBase64AsItsStandardHasIt) {
 TEST(LiveMessages, GreetWithCameraTemplateAndSettings) {
   const Template templ = testing::make_template({2, 2, 0.2, 0.15, 40, 30});
   const Camera camera = testing::make_camera();
-  const json hello = json::parse(hello_message(scene_members(templ, camera), R"({"stages":[]})"));
+  const json hello = json::parse(
+      hello_message(scene_members(templ, camera), R"({"stages":[]})", R"({"stages":[1]})"));
   EXPECT_EQ(hello["type"], "hello");
   EXPECT_EQ(hello["weft"], "0.1.0");
   EXPECT_EQ(hello["camera"]["fx"], camera.fx);
@@ -52,6 +53,7 @@ TEST(LiveMessages, GreetWithCameraTemplateAndSettings) {
   EXPECT_EQ(hello["camera"]["width_px"], 640);
   EXPECT_EQ(hello["camera"]["height_px"], 480);
   EXPECT_EQ(hello["settings"]["stages"].size(), 0U);
+  EXPECT_EQ(hello["started_with"]["stages"].size(), 1U);
   const auto vertices =
       numbers_of<float>(from_base64(hello["template"]["vertices_m"].get<std::string>()));
   ASSERT_EQ(vertices.size(), 12U);
@@ -77,8 +79,9 @@ TEST(LiveMessages, GreetWithCameraTemplateAndSettings) {
 }
 
 TEST(LiveMessages, GreetWithoutSettingsWhereThereAreNone) {
-  const json hello = json::parse(hello_message(R"("weft":"x")", ""));
+  const json hello = json::parse(hello_message(R"("weft":"x")", "", ""));
   EXPECT_TRUE(hello["settings"].is_null());
+  EXPECT_FALSE(hello.contains("started_with")) << "it is the same";
 }
 
 TEST(LiveMessages, HoldAFramesPartsAtMultiplesOfFour) {
@@ -106,6 +109,50 @@ TEST(LiveMessages, LeaveOutWhatAFrameDoesNotHave) {
   EXPECT_TRUE(decoded.head["time_s"].is_null());
   EXPECT_TRUE(decoded.head["report"].is_null());
   EXPECT_TRUE(decoded.parts.empty());
+}
+
+TEST(LiveMessages, HoldMatchesAndTruthOfAFrame) {
+  Correspondences matches;
+  matches.template_px = Array<double>({2, 2});
+  matches.image_px = Array<double>({2, 2});
+  matches.kept = Array<std::uint8_t>({2}, 1);
+  matches.score = Array<double>({2}, 0.25);
+  for (std::int64_t i = 0; i < 4; ++i) {
+    matches.template_px.data()[i] = static_cast<double>(i);
+    matches.image_px.data()[i] = 10.0 * static_cast<double>(i);
+  }
+  matches.kept(1) = 0;
+  GroundTruth truth;
+  truth.points_m = Array<double>({1, 3}, 0.5);
+  truth.cloud_m = Array<double>({2, 3}, 0.75);
+  FrameCopy frame;
+  frame.written = 5;
+  frame.matches = copy_of(matches, 40.0, 20.0);
+  frame.truth_m = points_of(truth);
+  const Decoded decoded = decode(frame_message(frame, ""));
+  EXPECT_EQ(decoded.head["written"], 5);
+  EXPECT_EQ(decoded.head["matches"], 2);
+  EXPECT_EQ(numbers_of<float>(decoded.parts.at("match_px")),
+            (std::vector<float>{0.0F, 10.0F, 20.0F, 30.0F}));
+  EXPECT_EQ(numbers_of<float>(decoded.parts.at("match_uv")),
+            (std::vector<float>{0.5F / 40, 1.5F / 20, 2.5F / 40, 3.5F / 20}));
+  EXPECT_EQ(decoded.parts.at("match_kept"), std::string("\x01\x00", 2));
+  EXPECT_EQ(numbers_of<float>(decoded.parts.at("match_score")), (std::vector<float>{0.25F, 0.25F}));
+  EXPECT_EQ(numbers_of<float>(decoded.parts.at("truth_m")).size(), 9U);
+}
+
+TEST(LiveMessages, HoldAnEvenSelectionOfVeryManyMatches) {
+  Correspondences matches;
+  matches.template_px = Array<double>({10'000, 2}, 1.0);
+  matches.image_px = Array<double>({10'000, 2});
+  matches.kept = Array<std::uint8_t>({10'000}, 1);
+  matches.score = Array<double>({10'000}, 1.0);
+  for (std::int64_t i = 0; i < 10'000; ++i) matches.image_px(i, 0) = static_cast<double>(i);
+  const MatchCopy copy = copy_of(matches, 40.0, 20.0);
+  EXPECT_EQ(copy.count, 10'000);
+  ASSERT_EQ(copy.score.size(), 4'000U);
+  EXPECT_EQ(copy.px[2 * 2'000], 5'000.0F);
+  EXPECT_EQ(copy.px[2 * 3'999], 9'997.0F);
 }
 
 TEST(LiveMessages, AnswerWithWordsOfAnyKind) {
