@@ -35,7 +35,7 @@ await use_live_page(async (live) => {
   await live.run.end();
   live.run = await live.start(port);
   await page.goto(live.run.address);
-  await live.until_text("#no-mesh", "This browser draws no 3D view");
+  await live.until_text("#no-mesh", "This browser shows no 3D view");
   await live.until_text("#no-mesh", "Switch on WebGL");
   await live.until_text("#connection", "Connected");
   await live.show(1);

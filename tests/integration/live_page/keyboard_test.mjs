@@ -28,14 +28,22 @@ await use_live_page(async (live) => {
     await live.until(differs, selector, before);
   };
 
-  /** Moves the focus to a control by the tabulator. */
+  /** Moves the focus to a control by the tabulator, from the one beside it. */
   const reach = async (selector) => {
-    await page.evaluate(() => document.activeElement.blur());
-    for (let i = 0; i < 120; ++i) {
-      if (await page.evaluate((one) => document.activeElement?.matches(one), selector)) return;
-      await press("Tab");
-    }
-    assert.fail(`${selector} is not reached by the tabulator`);
+    await live.until((one) => document.querySelector(one)?.matches(":not(:disabled)"), selector);
+    const is_first = await page.evaluate((one) => {
+      const usable = "button, input, select, summary, [tabindex='0']";
+      const all = [...document.querySelectorAll(usable)].filter(
+        (each) => each.checkVisibility({ visibilityProperty: true }) && !each.matches(":disabled"),
+      );
+      const place = all.indexOf(document.querySelector(one));
+      all[place === 0 ? 1 : place - 1].focus();
+      return place === 0;
+    }, selector);
+    if (is_first) await page.keyboard.down("Shift");
+    await press("Tab");
+    if (is_first) await page.keyboard.up("Shift");
+    assert.equal(await page.evaluate((one) => document.activeElement.matches(one), selector), true);
   };
   const leave = () => page.evaluate(() => document.activeElement.blur());
 

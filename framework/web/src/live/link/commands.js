@@ -23,7 +23,9 @@ export class Commands {
       dialog.showModal();
     });
     dialog.addEventListener("close", () => {
-      if (dialog.returnValue === "stop") this.ask("stop");
+      if (dialog.returnValue !== "stop") return;
+      dialog.returnValue = ""; // an earlier closing may be reported only now
+      this.ask("stop");
     });
     this.connect(false);
   }

@@ -42,6 +42,7 @@ export class Plot {
     }
     this.pen.fillStyle = this.colour("--muted");
     this.pen.font = "11px system-ui, DejaVu Sans, sans-serif";
+    this.pen.textAlign = "left";
     this.pen.fillText(label, 0, kTop - 4);
     this.pen.textAlign = "right";
     this.pen.fillText(`${kSpan_s} s`, this.width, kTop - 4);

@@ -30,14 +30,8 @@ export class MeshPane {
         this.#pick(vertex ?? NaN);
         changed();
       });
-    } catch (error) {
-      canvas.hidden = true;
-      root.querySelector("#scale-bar").hidden = true;
-      const words = root.querySelector("#no-mesh");
-      words.hidden = false;
-      words.textContent =
-        `This browser draws no 3D view: ${error.message}. Switch on WebGL (hardware ` +
-        "acceleration) in its settings. All other parts of the page work without it.";
+    } catch {
+      root.classList.add("without-webgl");
     }
   }
 

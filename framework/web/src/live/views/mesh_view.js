@@ -105,7 +105,7 @@ export class MeshView {
     controls.dampingFactor = 0.12;
     controls.addEventListener("start", () => (this.#touched = true));
     controls.addEventListener("change", () => {
-      write_scale_bar(this.scale_bar, this.view.camera, controls.target, canvas.clientHeight);
+      this.#write_scale();
       this.#glide();
     });
     canvas.addEventListener("keydown", (event) => this.#press(event));
@@ -120,7 +120,13 @@ export class MeshView {
 
   #resize() {
     this.view.render();
+    this.#write_scale();
     if (this.#box && !this.#touched) this.fit();
+  }
+
+  #write_scale() {
+    const { camera, controls } = this.view;
+    write_scale_bar(this.scale_bar, camera, controls.target, this.canvas.clientHeight);
   }
 
   /** Lets a turn end slowly. */
