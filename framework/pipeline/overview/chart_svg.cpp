@@ -51,8 +51,15 @@ class Svg {
       y += kLine;
     }
     height_ = y + kMargin;
-    for (const WiringChart::Row& row : chart.rows)
+    std::size_t name_letters = 0, id_letters = 0;
+    for (const WiringChart::Row& row : chart.rows) {
       most_ms_ = std::max(most_ms_, row.ms.value_or(0));
+      name_letters = std::max(name_letters, row.name.size());
+      id_letters = std::max(id_letters, row.id.size());
+    }
+    id_x_ = kMargin + 10 + kLetter * static_cast<double>(name_letters) + 12;
+    const double id_end = id_x_ + kLetter * static_cast<double>(id_letters);
+    box_end_ = id_end + (most_ms_ > 0 ? kTimeWidth : kMargin);
   }
 
   std::string text() const {

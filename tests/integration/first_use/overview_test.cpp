@@ -168,6 +168,9 @@ TEST_F(Overview, DrawsTheSameConnectionsInEveryFormat) {
   const std::string svg = printed({"graph", "p.yaml", "--format", "svg"});
   EXPECT_THAT(svg, AllOf(StartsWith("<svg xmlns="), HasSubstr(">solvers/test.scripted</text>"),
                          HasSubstr(">correspondences</text>")));
+  // Each box is wider than the texts in it, which begin behind its left edge.
+  EXPECT_THAT(
+      svg, ::testing::ContainsRegex("class=\"box\" x=\"12\" y=\"[0-9]+\" width=\"[23][0-9][0-9]"));
 }
 
 TEST_F(Overview, DrawsTheTimesOfARun) {
