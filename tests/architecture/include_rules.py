@@ -74,8 +74,12 @@ INTERNAL = {
     "lab/report/text": "core",
     "lab/report/runs": "core data yaml lab/statistics lab/metrics lab/results lab/report/text",
     "lab/report/tables": "core lab/statistics lab/metrics lab/results",
-    "lab/report": "core lab/statistics lab/metrics lab/results lab/report/text lab/report/tables",
-    "lab/report/paper": "core process lab/statistics lab/metrics lab/results lab/report lab/report/text lab/report/tables",
+    "lab/report/drawing": "core lab/statistics lab/report/text",
+    "lab/report": "core lab/statistics lab/metrics lab/results lab/report/text lab/report/tables lab/report/drawing",
+    "lab/report/paper": "core process lab/statistics lab/metrics lab/results lab/report lab/report/text lab/report/tables "
+    "lab/report/drawing",
+    "lab/report/pairs": "core yaml lab/statistics lab/metrics lab/results lab/report lab/report/text lab/report/tables "
+    "lab/report/drawing lab/report/runs lab/report/paper",
     "lab/bench": "core data process host/records host/loading host/calling pipeline/configuration "
     "pipeline/graph pipeline/execution pipeline/runs lab/statistics",
     "lab/schema": "core yaml host/roles host/loading pipeline/configuration lab/ablation/plan",

@@ -9,6 +9,7 @@
 #include "cli/output/new_file.hpp"
 #include "cli/output/program_root.hpp"
 #include "cli/standard_components.hpp"
+#include "lab/report/pairs/pair_report.hpp"
 #include "lab/report/paper/paper.hpp"
 #include "lab/report/report.hpp"
 #include "lab/report/runs/run_report.hpp"
@@ -16,9 +17,8 @@
 namespace weft::cli {
 namespace {
 
-/// Writes the report of a run or of an ablation, depending on the folder.
-Result<lab::ReportFiles> write_report_of(const std::string& folder,
-                                         const lab::ReportOptions& options) {
+/// Fails where a folder is neither of a run nor of an ablation.
+Result<void> check_folder(const std::string& folder) {
   namespace fs = std::filesystem;
   std::error_code code;
   if (auto found =
@@ -26,7 +26,7 @@ Result<lab::ReportFiles> write_report_of(const std::string& folder,
       !found) {
     return found.error();
   }
-  if (lab::is_run_folder(folder)) return lab::write_run_report(folder, options);
+  if (lab::is_run_folder(folder)) return {};
   if (!fs::exists(folder + "/plan.json", code) && !fs::exists(folder + "/results", code)) {
     return Error{
         Errc::not_found,
@@ -34,7 +34,19 @@ Result<lab::ReportFiles> write_report_of(const std::string& folder,
         "no plan.json); give one that `weft run` or `weft ablate` wrote",
         folder};
   }
-  return lab::write_report(folder, options);
+  return {};
+}
+
+/// Writes the report of a run or of an ablation, depending on the folder, or compares two.
+Result<lab::ReportFiles> write_report_of(const std::string& folder, const std::string& other,
+                                         const lab::ReportOptions& options) {
+  if (auto known = check_folder(folder); !known) return known.error();
+  if (!other.empty()) {
+    if (auto known = check_folder(other); !known) return known.error();
+    return lab::write_pair_report(folder, other, options);
+  }
+  return lab::is_run_folder(folder) ? lab::write_run_report(folder, options)
+                                    : lab::write_report(folder, options);
 }
 
 void print_paper(const std::string& folder, Context& context) {
@@ -64,19 +76,25 @@ bool is_same(const std::string& a, const std::string& b) {
 
 void add_report_command(CLI::App& app, Context& context) {
   struct Options {
-    std::string folder;
+    std::string folder, other;
     std::string page;
     bool overwrite = false, paper = false;
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "report", "Write one page with the tables, figures and shapes of a run or an ablation");
+      "report",
+      "Write one page with the tables, figures and shapes of a run or an ablation, or compare two");
   command->add_option("DIR", options->folder, "Folder that `weft run` or `weft ablate` wrote")
       ->required();
-  command->add_option("--out", options->page, "The page (default: DIR/report.html)");
+  CLI::Option* other = command->add_option("OTHER", options->other,
+                                           "A second run or ablation that DIR is compared with");
+  command->add_option("--out", options->page,
+                      "The page (default: DIR/report.html, of two DIR/with_OTHER.html)");
   add_overwrite(*command, options->overwrite);
-  command->add_flag("--paper", options->paper,
-                    "Write tables for LaTeX and figures as SVG (and PDF) instead, to DIR/paper");
+  command
+      ->add_flag("--paper", options->paper,
+                 "Write tables for LaTeX and figures as SVG, PGF (and PDF) instead, to DIR/paper")
+      ->excludes(other);
   command->callback([&context, options] {
     if (options->paper) return print_paper(options->folder, context);
     const std::string own = options->folder + "/report.html";
@@ -88,7 +106,7 @@ void add_report_command(CLI::App& app, Context& context) {
       }
     }
     const auto files = write_report_of(
-        options->folder,
+        options->folder, options->other,
         {options->page, (program_root() / "share/weft/report").string(), unwarping_sink()});
     if (!files) {
       print_error(files.error());

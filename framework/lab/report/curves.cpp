@@ -117,6 +117,7 @@ std::vector<FrameCurve> errors_over_frames(const Results& results, const ReportT
   if (reference >= curves.size()) return curves;
   const ErrorsByFrame others = errors_by_frame(results, tables.combinations[reference]);
   for (std::size_t i = 0; i < curves.size(); ++i) {
+    if (!tables.combinations[i].selectable) continue;
     const ErrorsByFrame errors = errors_by_frame(results, tables.combinations[i]);
     const bool with_band = std::count(banded.begin(), banded.end(), i) > 0;
     curves[i] = {curve_of(errors, with_band), curve_of(differences(errors, others), with_band)};

@@ -33,7 +33,8 @@ struct FrameCurve {
   Curve difference;  ///< [mm] from that of the reference, over the sequences that have both
 };
 
-/// One for each combination; the reference is an index, bands are for those that `banded` names.
+/// One for each combination, empty unless it is selectable; the reference is an index, bands are
+/// for those that `banded` names.
 std::vector<FrameCurve> errors_over_frames(const Results& results, const ReportTables& tables,
                                            std::size_t reference,
                                            const std::vector<std::size_t>& banded);

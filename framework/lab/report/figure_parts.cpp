@@ -153,7 +153,8 @@ std::string viewer_part(const Figures& figures) {
       fmt::format("The page contains the worst, the median and the best cell of each of the eight "
                   "combinations with the smallest mean errors. It has at most {} frames a cell and "
                   "{} true points a frame, evenly chosen.",
-                  ViewLimits{}.frames, ViewLimits{}.truth_points));
+                  ViewLimits{}.frames, ViewLimits{}.truth_points),
+      true);  // cells without an error are not shown
 }
 
 }  // namespace weft::lab

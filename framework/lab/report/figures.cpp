@@ -14,20 +14,6 @@ constexpr std::size_t kMostInView = 8;     ///< combinations whose shapes the pa
 constexpr std::size_t kMostPictures = 8;   ///< worst frames in all
 constexpr std::size_t kPicturesOfOne = 2;  ///< worst frames of one combination
 
-/// The combinations with the smallest mean errors, at most `most`, in the plan's order.
-std::vector<std::size_t> best_of(const ReportTables& tables, std::size_t most) {
-  std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
-    if (std::isfinite(tables.combinations[i].mean_mm)) order.push_back(i);
-  }
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return tables.combinations[a].mean_mm < tables.combinations[b].mean_mm;
-  });
-  if (order.size() > most) order.resize(most);
-  std::sort(order.begin(), order.end());
-  return order;
-}
-
 std::string cell_folder(const Results& results, const PlanCell& cell) {
   return results.folder + "/cells/" + cell.key;
 }
@@ -139,11 +125,11 @@ Result<void> add_view(const Results& results, ShownFrame& shown) {
 
 Result<Figures> make_figures(const Results& results, const ReportTables& tables) {
   Figures figures;
-  figures.drawn = best_of(tables, kMostDrawn);
-  if (!figures.drawn.empty()) figures.reference = best_of(tables, 1).front();
+  figures.drawn = best_combinations(tables.combinations, kMostDrawn);
+  if (!figures.drawn.empty()) figures.reference = best_combinations(tables.combinations, 1).front();
   figures.over_frames = errors_over_frames(results, tables, figures.reference, figures.drawn);
   figures.sweeps = sweeps_of(results, tables);
-  for (const std::size_t index : best_of(tables, kMostInView)) {
+  for (const std::size_t index : best_combinations(tables.combinations, kMostInView)) {
     if (auto added = add_cells(results, tables.combinations[index], figures.cells); !added) {
       return added.error();
     }

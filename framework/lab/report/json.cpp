@@ -7,7 +7,6 @@
 #include "lab/report/sheets.hpp"
 #include "lab/report/text/base64.hpp"
 #include "lab/report/text/page.hpp"
-#include "lab/statistics/sentence_parts.hpp"
 
 namespace weft::lab {
 namespace {
@@ -51,33 +50,6 @@ ordered_json treatment_json(const Results& results, const ReportTables& tables,
       {"by_frame", curve_json(figures.over_frames[index].error)},
       {"by_frame_difference", curve_json(figures.over_frames[index].difference)},
       {"stages", std::move(stages)}};
-}
-
-ordered_json comparison_json(const ComparisonResult& comparison) {
-  ordered_json pairs = ordered_json::array();
-  for (const PairComparison& pair : comparison.table.pairs) {
-    pairs.push_back({{"a", pair.a},
-                     {"b", pair.b},
-                     {"difference", pair.test.mean},
-                     {"low", pair.interval.low},
-                     {"high", pair.interval.high},
-                     {"decided", pair.call == Call::a || pair.call == Call::b}});
-  }
-  ordered_json scenes = ordered_json::array();
-  for (const std::vector<SceneEffect>& effects : comparison.scenes) {
-    ordered_json& list = scenes.emplace_back(ordered_json::array());
-    for (const SceneEffect& effect : effects) {
-      list.push_back({{"scene", effect.scene},
-                      {"difference", effect.mean},
-                      {"low", effect.interval.low},
-                      {"high", effect.interval.high}});
-    }
-  }
-  const bool low_is_good = better_of(comparison.plan.metric) == Better::lower;
-  return {{"unit", difference_unit(comparison.unit)},
-          {"low_is_good", low_is_good},
-          {"pairs", std::move(pairs)},
-          {"scenes", std::move(scenes)}};
 }
 
 ordered_json sweep_json(const Results& results, const Sweep& sweep) {
@@ -155,14 +127,12 @@ std::string to_json(const Results& results, const ReportTables& tables, const Fi
   if (!tables.combinations.empty()) {
     object["reference"] = tables.combinations[figures.reference].name;
   }
-  for (const char* list : {"treatments", "comparisons", "sweeps", "scores", "cells", "worst"}) {
+  for (const char* list : {"treatments", "sweeps", "scores", "cells", "worst"}) {
     object[list] = ordered_json::array();
   }
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
+    if (!tables.combinations[i].selectable) continue;
     object["treatments"].push_back(treatment_json(results, tables, figures, i));
-  }
-  for (const ComparisonResult& comparison : tables.comparisons) {
-    object["comparisons"].push_back(comparison_json(comparison));
   }
   for (const Sweep& sweep : figures.sweeps) object["sweeps"].push_back(sweep_json(results, sweep));
   for (const std::string& stage : tables.filter_stages) {

@@ -11,7 +11,7 @@ Page page_of(const Results& results, const ReportTables& tables, const Figures& 
       {"verdicts", "In short", verdicts_part(results, tables)},
       {"results", "Results", results_part(results, tables)},
       {"compared", "What was compared", compared_part(results, tables)},
-      {"comparisons", "Comparisons", comparisons_part(tables, scripted)},
+      {"comparisons", "Comparisons", comparisons_part(results, tables)},
       {"expectations", "Expectations", expectations_part(results, tables)},
       {"errors", "Errors", scripted ? curves_part(tables, figures) : ""},
       {"axes", "Along an axis", scripted ? sweeps_part(results, figures) : ""},

@@ -11,7 +11,7 @@ namespace weft::lab {
 std::string verdicts_part(const Results& results, const ReportTables& tables);
 std::string compared_part(const Results& results, const ReportTables& tables);
 std::string results_part(const Results& results, const ReportTables& tables);
-std::string comparisons_part(const ReportTables& tables, bool scripted);
+std::string comparisons_part(const Results& results, const ReportTables& tables);
 std::string expectations_part(const Results& results, const ReportTables& tables);
 std::string filters_part(const Results& results, const ReportTables& tables);
 std::string certainty_part(const Results& results, const ReportTables& tables, bool scripted);

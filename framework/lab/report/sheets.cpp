@@ -27,7 +27,7 @@ void add_axes(const Results& results, TextTable& table) {
 void add_values(const ReportTables& tables, std::size_t index, TextRow& row) {
   const Combination& combination = tables.combinations[index];
   for (const std::string& value : combination.values) row.cells.push_back(text_cell(value));
-  if (row.cells.empty()) return;
+  if (row.cells.empty() || !combination.detailed) return;
   row.cells.front().link = anchor_of(index);
   row.cells.front().tip = "Settings, keys and commands behind this row";
 }
@@ -50,8 +50,8 @@ void add_error(const Combination& combination, TextRow& row) {
 
 TextRow combination_row(const Results& results, const ReportTables& tables, std::size_t index) {
   const Combination& combination = tables.combinations[index];
-  const bool drawable = std::isfinite(combination.mean_mm);
-  TextRow row{{}, drawable ? static_cast<std::ptrdiff_t>(index) : -1, combination.done == 0};
+  TextRow row{
+      {}, combination.selectable ? static_cast<std::ptrdiff_t>(index) : -1, combination.done == 0};
   add_values(tables, index, row);
   if (tables.has_error) add_error(combination, row);
   for (const std::size_t metric : shown_metrics(results, tables)) {

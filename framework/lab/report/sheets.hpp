@@ -12,6 +12,9 @@ namespace weft::lab {
 TextTable combinations_sheet(const Results& results, const ReportTables& tables);
 /// Two values of an axis a row, of one comparison or of all.
 TextTable comparison_sheet(const std::vector<ComparisonResult>& comparisons);
+/// Each value of the axis against each, the best first; empty for less than three, or if the plan
+/// compares all with a reference.
+TextTable matrix_sheet(const ComparisonResult& comparison);
 /// One row an expectation of the plan.
 TextTable expectations_sheet(const Results& results, const ReportTables& tables);
 /// One row a combination and filter stage.

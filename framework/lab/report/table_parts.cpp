@@ -7,6 +7,7 @@
 
 #include "lab/metrics/forms/catalogue.hpp"
 #include "lab/report/notes.hpp"
+#include "lab/report/panel_figures.hpp"
 #include "lab/report/parts.hpp"
 #include "lab/report/sheets.hpp"
 #include "lab/report/text/page.hpp"
@@ -30,26 +31,13 @@ std::string failures_of(const Results& results, const Combination& combination) 
 
 /// Sentences on each pair and on all pairs together.
 std::string sentences_of(const ComparisonTable& table) {
+  constexpr std::size_t kMostSentences = 100;
   std::string text = "<ul class=\"small\">\n";
   if (table.friedman) text += "<li>" + html_escaped(table.friedman->sentence) + "</li>\n";
-  for (const PairComparison& pair : table.pairs) {
-    text += "<li>" + html_escaped(pair.sentence) + "</li>\n";
+  for (std::size_t i = 0; i < std::min(table.pairs.size(), kMostSentences); ++i) {
+    text += "<li>" + html_escaped(table.pairs[i].sentence) + "</li>\n";
   }
   return text + "</ul>\n";
-}
-
-/// A place for the differences scene by scene, where there are several.
-std::string scenes_figure(const ComparisonResult& comparison, std::size_t index) {
-  const auto several = [](const std::vector<SceneEffect>& scenes) { return scenes.size() > 1; };
-  if (std::none_of(comparison.scenes.begin(), comparison.scenes.end(), several)) return "";
-  return fmt::format(
-      "<figure class=\"scenes\" id=\"figure-scenes-{0}\" data-comparison=\"{0}\"><h4>Scene by "
-      "scene</h4>\n<div class=\"plot\"></div>\n<figcaption>The same difference on each sequence, "
-      "or kind of data where there are many. Blue: A is better there; orange: B is; grey: the 95 % "
-      "interval holds zero, or there are too few frames for one. The interval of a sequence is by "
-      "a bootstrap over stretches of its frames. It holds for this very sequence, not for others "
-      "like it, and is not corrected for the number of rows.</figcaption></figure>\n",
-      index);
 }
 
 /// The rows of a comparison without the columns that its heading contains.
@@ -105,11 +93,24 @@ std::string verdict_html(const Verdict& verdict) {
                      counted(verdict.like.size(), "part"), items_html(verdict.like));
 }
 
+bool lists_every_cell(const ReportTables& tables) {
+  return std::all_of(tables.combinations.begin(), tables.combinations.end(),
+                     [](const Combination& each) { return each.detailed; });
+}
+
 }  // namespace
 
 std::string verdicts_part(const Results& results, const ReportTables& tables) {
   std::string text;
-  for (const Verdict& verdict : verdicts_of(tables)) text += verdict_html(verdict);
+  const std::vector<Verdict> verdicts = verdicts_of(tables);
+  for (std::size_t i = 0; i < verdicts.size(); ++i) {
+    const PanelFigure ranking =
+        i < tables.comparisons.size()          ? ranking_figure(tables.comparisons[i])
+        : tables.comparisons.empty() && i == 0 ? ranking_figure(results, tables)
+                                               : PanelFigure{};
+    text += "<div class=\"standing\">\n" + to_html(ranking, paper_note(results.folder)) +
+            verdict_html(verdicts[i]) + "</div>\n";
+  }
   for (const std::string& notice : notices_of(results, tables)) {
     text += "<p class=\"notice\">" + html_escaped(notice) + "</p>\n";
   }
@@ -121,27 +122,33 @@ std::string compared_part(const Results& results, const ReportTables& tables) {
 }
 
 std::string results_part(const Results& results, const ReportTables& tables) {
-  return to_html(combinations_sheet(results, tables)) +
+  TextTable sheet = combinations_sheet(results, tables);
+  // The page of a large plan has the beginning of the table.
+  if (!lists_every_cell(tables)) {
+    std::stable_partition(sheet.rows.begin(), sheet.rows.end(),
+                          [](const TextRow& row) { return row.treatment >= 0; });
+  }
+  return to_html(std::move(sheet)) +
          "<p class=\"small muted\">A row's first value leads to its cells, their settings and "
          "commands.</p>\n";
 }
 
-std::string comparisons_part(const ReportTables& tables, bool scripted) {
+std::string comparisons_part(const Results& results, const ReportTables& tables) {
   std::string text;
-  for (std::size_t i = 0; i < tables.comparisons.size(); ++i) {
-    const ComparisonResult& comparison = tables.comparisons[i];
+  for (const ComparisonResult& comparison : tables.comparisons) {
     if (comparison.table.pairs.empty()) continue;
-    const std::string& metric = comparison.plan.metric;
     text += fmt::format("<h3>{}: {}</h3>\n", html_escaped(comparison.plan.axis),
-                        html_escaped(metric_name(metric)));
-    if (scripted) {
-      text += fmt::format(
-          "<figure class=\"differences\" id=\"figure-differences-{}\" data-comparison=\"{}\"><div "
-          "class=\"plot\"></div>\n<figcaption>Mean difference, with its 95 % interval from {} "
-          "sequences on. {} is better. Grey: not decided.</figcaption></figure>\n",
-          i, i, kLeastSequences, better_of(metric) == Better::lower ? "Less" : "More");
-      text += scenes_figure(comparison, i);
+                        html_escaped(metric_name(comparison.plan.metric)));
+    const TextTable matrix = matrix_sheet(comparison);
+    if (!matrix.rows.empty()) text += "<h4>Each against each</h4>\n" + to_html(matrix);
+    text += to_html(differences_figure(comparison), paper_note(results.folder));
+    for (const SeparateComparison& axis : comparison.separate) {
+      const std::string figure =
+          to_html(conditions_figure(comparison, axis), paper_note(results.folder));
+      if (!figure.empty()) text += "<h4>By " + html_escaped(axis.axis) + "</h4>\n" + figure;
     }
+    const std::string scenes = to_html(scenes_figure(comparison), paper_note(results.folder));
+    if (!scenes.empty()) text += "<h4>By sequence</h4>\n" + scenes;
     text += to_html(without_heading(comparison)) + sentences_of(comparison.table);
   }
   if (text.empty()) return text;
@@ -155,7 +162,11 @@ std::string expectations_part(const Results& results, const ReportTables& tables
 
 std::string filters_part(const Results& results, const ReportTables& tables) {
   if (tables.filter_stages.empty()) return "";
-  return to_html(filters_sheet(results, tables));
+  std::string text;
+  for (const std::string& stage : tables.filter_stages) {
+    text += to_html(rates_figure(tables, stage), paper_note(results.folder));
+  }
+  return text + to_html(filters_sheet(results, tables));
 }
 
 std::string times_part(const Results& results, const ReportTables& tables, bool scripted) {
@@ -182,8 +193,14 @@ std::string reproduce_part(const Results& results, const ReportTables& tables) {
       "the builds of its components and its data; cells with the same key were run once.</p>\n"
       "<p>The whole plan again: <code class=\"command\">" +
       html_escaped(results.plan.command) + "</code></p>\n";
+  if (!lists_every_cell(tables)) {
+    text +=
+        "<p class=\"notice\">The plan has many cells: below are those of the combinations with the "
+        "smallest means or with failures. <code>report/cells.csv</code> has all.</p>\n";
+  }
   for (std::size_t i = 0; i < tables.combinations.size(); ++i) {
     const Combination& combination = tables.combinations[i];
+    if (!combination.detailed) continue;
     TextTable cells = cells_sheet(results, combination.cells);
     cells.note.clear();
     const PlanCell& first = results.plan.cells[combination.cells.front()];

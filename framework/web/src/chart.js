@@ -4,6 +4,7 @@
 import { View, parse, Warn } from "vega";
 import { compile } from "vega-lite";
 import { element } from "./data.js";
+import { pgf_of } from "./pgf.js";
 
 // A family by name, so that Vega can measure its texts.
 const kFont = "system-ui, -apple-system, Segoe UI, Helvetica Neue, DejaVu Sans, sans-serif";
@@ -39,20 +40,36 @@ function with_plain_colours(svg) {
   return svg.replaceAll(/var\((--[\w-]+)\)/g, (_, name) => style.getPropertyValue(name).trim());
 }
 
-function offer_download(figure, view) {
+/** A button that saves what `text` gives as a file of the figure. */
+function save_button(figure, ending, type, text) {
   const button = element("button", {
     type: "button",
-    className: "save",
-    textContent: "Save as SVG",
+    textContent: ending.toUpperCase(),
+    title: `Save as ${figure.id}.${ending}`,
   });
   button.addEventListener("click", async () => {
-    const svg = with_plain_colours(await view.toSVG());
-    const address = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));
-    element("a", { href: address, download: `${figure.id}.svg` }).click();
+    const address = URL.createObjectURL(new Blob([await text()], { type }));
+    element("a", { href: address, download: `${figure.id}.${ending}` }).click();
     URL.revokeObjectURL(address);
   });
+  return button;
+}
+
+function offer_files(figure, view) {
   figure.querySelector(".save")?.remove();
-  figure.querySelector(".plot").after(button);
+  const svg = async () => with_plain_colours(await view.toSVG());
+  const command = `rsvg-convert --format=pdf --output=${figure.id}.pdf ${figure.id}.svg`;
+  figure.querySelector(".plot").after(
+    element(
+      "p",
+      { className: "save files" },
+      "Save as ",
+      save_button(figure, "svg", "image/svg+xml", svg),
+      save_button(figure, "pgf", "text/plain", () => pgf_of(figure)),
+      " as PDF: ",
+      element("code", { className: "command", textContent: command }),
+    ),
+  );
 }
 
 /** Draws `spec` in the figure in place of what was there. */
@@ -70,7 +87,7 @@ export async function draw(figure, spec) {
   await view.runAsync();
   plot.querySelector("svg")?.setAttribute("role", "img");
   figure.view = view;
-  offer_download(figure, view);
+  offer_files(figure, view);
 }
 
 /** The colours of series by name, as a channel of an encoding. */

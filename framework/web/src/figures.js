@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The figures of the page, each drawn where the program has left a place for it.
 import { draw_by_frame, draw_distribution, draw_reliability } from "./curves.js";
-import { draw_differences, draw_scenes } from "./differences.js";
 import { draw_scores } from "./scores.js";
 import { draw_sweep } from "./sweep.js";
 import { draw_speed, draw_stage_times } from "./times.js";
@@ -40,14 +39,6 @@ export async function draw_figures(data, selection) {
     draw_speed(figure, data, series),
   );
   await keep_drawn("figure-times", selection, draw_stage_times);
-  for (const [list, draw_it] of [
-    ["differences", draw_differences],
-    ["scenes", draw_scenes],
-  ]) {
-    for (const figure of document.querySelectorAll(`figure.${list}`)) {
-      await draw_it(figure, data.comparisons[Number(figure.dataset.comparison)]);
-    }
-  }
   for (const figure of document.querySelectorAll("figure.sweep")) {
     await draw_sweep(figure, data.sweeps[Number(figure.dataset.sweep)]);
   }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { page_data } from "./data.js";
+import { mark_contents } from "./contents.js";
+import { pgf_of } from "./pgf.js";
 import { sort_tables, filter_tables, copy_commands } from "./tables.js";
 import { Selection } from "./selection.js";
 import { draw_figures } from "./figures.js";
@@ -25,6 +27,7 @@ async function start() {
   document.documentElement.classList.add("scripted");
   const data = page_data();
   offer_theme();
+  mark_contents();
   sort_tables();
   filter_tables();
   copy_commands();
@@ -34,7 +37,7 @@ async function start() {
   await draw_run(data, viewer);
   draw_worst(data);
   // For tests and for curious readers: `weft_report.viewer.positions()` is what the view draws.
-  window.weft_report = { viewer, selection };
+  window.weft_report = { viewer, selection, pgf_of };
   document.documentElement.dataset.ready = "true";
 }
 

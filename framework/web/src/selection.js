@@ -10,13 +10,13 @@ export function style_of(slot) {
 }
 
 export class Selection extends EventTarget {
-  #treatments;
+  #treatments; // by their ids
   #slots = Array(kMost).fill(null); // index of a treatment, or null
   #buttons = new Map();
 
   constructor(treatments) {
     super();
-    this.#treatments = treatments;
+    this.#treatments = new Map(treatments.map((each) => [each.id, each]));
     for (const button of document.querySelectorAll("button.swatch")) {
       const treatment = Number(button.dataset.treatment);
       this.#buttons.set(treatment, button);
@@ -32,7 +32,7 @@ export class Selection extends EventTarget {
   /** The treatments drawn, each with its colour. */
   drawn() {
     return this.#slots.flatMap((id, slot) =>
-      id === null ? [] : [{ treatment: this.#treatments[id], ...style_of(slot) }],
+      id === null ? [] : [{ treatment: this.#treatments.get(id), ...style_of(slot) }],
     );
   }
 

@@ -66,15 +66,14 @@ export function filter_tables() {
 
 /** A click on a command copies it, where the browser lets a page do so. */
 export function copy_commands() {
-  for (const code of document.querySelectorAll("code.command")) {
-    code.title = "Click to copy";
-    code.addEventListener("click", async () => {
-      try {
-        await navigator.clipboard.writeText(code.textContent);
-        code.title = "Copied";
-      } catch {
-        getSelection().selectAllChildren(code);
-      }
-    });
-  }
+  document.addEventListener("click", async ({ target }) => {
+    const code = target.closest("code.command");
+    if (!code) return;
+    try {
+      await navigator.clipboard.writeText(code.textContent);
+      code.title = "Copied";
+    } catch {
+      getSelection().selectAllChildren(code);
+    }
+  });
 }

@@ -175,7 +175,8 @@ class Viewer {
     const frame = this.#cell.frames[index];
     this.slider.value = index;
     this.root.querySelector(".readout").textContent =
-      `frame ${frame.frame} · ${frame.state} · mean error ${shown(frame.mean_mm ?? NaN)} mm`;
+      `frame ${frame.frame} · ${frame.state}` +
+      (frame.truth.length ? ` · mean error ${shown(frame.mean_mm ?? NaN)} mm` : "");
     this.drawing.show(this.#cell, frame);
     this.view.render();
   }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -26,9 +27,9 @@ namespace weft::lab {
 /// A results folder whose figures are known, as an ablation would have written it.
 ///
 /// Three filters: `steady` errs by 2 mm, `shaky` by 2 mm and by 1 mm more in every other sequence,
-/// `broken` fails in every cell. A threshold alpha of four values that changes what is rejected. On
-/// top of these each sequence k (from 0) adds k/10 mm and each frame t t/100 mm. The last frame of
-/// `shaky` is missing in the first sequence.
+/// `broken` fails in every cell. A threshold alpha of four values, or more, that changes what is
+/// rejected. On top of these each sequence k (from 0) adds k/10 mm and each frame t t/100 mm. The
+/// last frame of `shaky` is missing in the first sequence.
 ///
 /// `steady` has no errors and confidence 0.95, in the second half 0.85. `shaky` has confidence 0.65
 /// and 0.55. It is wrong in the second half of every other sequence, silently in the last frame.
@@ -39,18 +40,20 @@ class FakeResults {
   static constexpr const char* kReason = "the worker ended with signal 11 </script><b>";
 
   struct Choice {
-    int sequences = 8;
+    int sequences = 8, alphas = 4;
     std::vector<std::uint64_t> seeds = {1, 2};
     bool timing = false;
     bool old_times = false;  ///< without CPU times of detectors, as earlier programs wrote them
     bool shapes = false;
     bool errors = false;  ///< in two frames of each cell of `shaky`, which is done all the same
     std::string data_use = "reporting";
+    double more_mm = 0.0;  ///< added to every error
   };
 
   explicit FakeResults(Choice choice) : choice_(std::move(choice)) {
     const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = ::testing::TempDir() + "weft_report_" + test->name() + "_" + std::to_string(getpid());
+    folder_ = ::testing::TempDir() + "weft_report_" + test->name() + "_" +
+              std::to_string(getpid()) + "_" + std::to_string(count_++);
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_ + "/results");
     write("manifest.json", {{"schema", "weft.results/1"}, {"weft", "0.1.0"}, {"plan", "stages"}});
@@ -67,8 +70,8 @@ class FakeResults {
   void keep() { kept_ = true; }
 
   static double alpha(int i) { return (5 * i + 5) / 100.0; }
-  static double tpr(int i) { return 99.0 - 10.0 * i; }
-  static double fpr(int i) { return 40.0 / (1 << i); }
+  static double tpr(int i) { return 99.0 - 10.0 * std::min(i, 9); }
+  static double fpr(int i) { return 40.0 / (1 << std::min(i, 9)); }
 
   void append(const std::string& file, const std::string& text) const {
     std::ofstream(folder_ + "/" + file, std::ios::app | std::ios::binary) << text;
@@ -88,7 +91,7 @@ class FakeResults {
     for (int s = 0; s < choice_.sequences; ++s) {
       sequences.push_back("plain_" + std::to_string(101 + s));
     }
-    for (int i = 0; i < 4; ++i) alphas.push_back(alpha(i));
+    for (int i = 0; i < choice_.alphas; ++i) alphas.push_back(alpha(i));
     const json filters{"steady", "shaky", "broken"};
     for (const auto& filter : filters) {
       for (const auto& value : alphas) {
@@ -168,7 +171,7 @@ class FakeResults {
     if (choice_.shapes && !broken) write_shapes(folder);
   }
 
-  static RunMetrics metrics_of(const nlohmann::json& cell) {
+  RunMetrics metrics_of(const nlohmann::json& cell) const {
     const int s = sequence_index(cell);
     const bool shaky = cell["axes"]["filter"] == "shaky";
     RunMetrics metrics;
@@ -186,7 +189,8 @@ class FakeResults {
       frame.state = missing ? ShapeState::none : ShapeState::estimated;
       if (!missing) {
         frame.error = PointSummary{};
-        frame.error->mean_mm = 2.0 + 0.1 * s + 0.01 * t + (shaky && s % 2 == 1 ? 1.0 : 0.0);
+        frame.error->mean_mm =
+            choice_.more_mm + 2.0 + 0.1 * s + 0.01 * t + (shaky && s % 2 == 1 ? 1.0 : 0.0);
         sum += frame.error->mean_mm;
         metrics.all.solved_error.worst_mm = frame.error->mean_mm;
         metrics.all.solved_error.worst_frame = std::to_string(t);
@@ -266,6 +270,8 @@ class FakeResults {
     cv::rectangle(picture, {30, 25}, {130, 95}, cv::Scalar(200, 210, 220), cv::FILLED);
     cv::imwrite(folder + "/worst_000009.png", picture);
   }
+
+  static inline int count_ = 0;  ///< folders of this process
 
   Choice choice_;
   std::string folder_;

@@ -33,10 +33,10 @@ inline std::string video(int pictures, const std::string& picture = "") {
                            chunk("LIST", movi) + chunk("idx1", std::string(16, '\0')));
 }
 
-/// A run of eight frames: frame t is off by t mm along the axis, the last has no shape, because its
-/// filter found too little. The stage `solvers` takes 5 ms, `filters` 1 ms.
-inline void write_eight_frames(TestRun& run, bool real_pictures = false) {
-  for (int t = 0; t + 1 < kRunFrames; ++t) run.solved(t, TestRun::truth("grid"));
+/// A run of eight frames: frame t is off by t mm along the axis and `more_mm`, the last has no
+/// shape, because its filter found too little. The stage `solvers` takes 5 ms, `filters` 1 ms.
+inline void write_eight_frames(TestRun& run, bool real_pictures = false, double more_mm = 0.0) {
+  for (int t = 0; t + 1 < kRunFrames; ++t) run.solved(t + more_mm, TestRun::truth("grid"));
   run.add(ShapeState::none, std::nullopt, TestRun::truth("grid"));
   std::string lines;
   for (int t = 0; t < kRunFrames; ++t) {

@@ -24,9 +24,18 @@ await use_page(async (page) => {
   );
   assert.equal(await marks(page, "figure-by-frame", "line"), 2);
   await page.select("#figure-by-frame select", "error");
+  // The ranking is beside the verdict: the best is filled, what is not shown to be worse is hollow.
+  const fills = await page.$$eval("#figure-ranking-filter-steady circle", (all) =>
+    all.map((one) => one.getAttribute("fill")),
+  );
+  assert.deepEqual(fills, ["var(--series-1)", "var(--paper)"]);
   // A row for each sequence, in the panel of the one pair that has values.
-  assert.equal(await marks(page, "figure-scenes-0", "symbol"), 8);
-  assert.ok((await texts("figure-scenes-0")).includes("Difference from steady, mm"));
+  assert.equal(await page.$$eval("#figure-scenes-filter-steady circle", (all) => all.length), 8);
+  assert.ok((await texts("figure-scenes-filter-steady")).includes("Difference, mm"));
+  // The contents stay in sight and mark the section that is read.
+  await page.$eval("#times", (section) => section.scrollIntoView());
+  await page.waitForSelector('nav a[href="#times"][aria-current]');
+  assert.ok((await page.$eval("nav", (nav) => nav.getBoundingClientRect().top)) >= 0);
   assert.equal(await marks(page, "figure-times", "rect"), 3 * 8);
   // Frames a second over the error: a point and a name for each.
   assert.equal(await marks(page, "figure-speed", "symbol"), 8);
@@ -34,6 +43,18 @@ await use_page(async (page) => {
   // Promised and observed values, in two panels: the diagonal, the line and both in grey.
   assert.equal(await marks(page, "figure-reliability", "line"), 2 * (1 + 1 + 2));
   assert.equal(await marks(page, "figure-reliability", "symbol"), 2 * 2);
+  // Figures that the script draws are saved as SVG and PGF.
+  assert.deepEqual(
+    await page.$$eval("#figure-speed .save button", (all) => all.map((one) => one.textContent)),
+    ["SVG", "PGF"],
+  );
+  const pgf = await page.evaluate(() =>
+    window.weft_report.pgf_of(document.getElementById("figure-by-frame")),
+  );
+  assert.match(pgf, /^% figure-by-frame.*\n\\begin\{pgfpicture\}/);
+  assert.match(pgf, /shaky \$\\cdot\$ 0\.05 and 3 more/);
+  assert.equal(pgf.match(/usepath\{stroke\}/g).length >= 2, true);
+  assert.doesNotMatch(pgf, /NaN|undefined|null/);
   const sweeps = await page.$$eval("figure.sweep h3", (all) => all.map((one) => one.textContent));
   assert.deepEqual(sweeps, ["ROC of filters over alpha", "Along alpha"]);
   // Both filters reject the same: one curve, and the diagonal.

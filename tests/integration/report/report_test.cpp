@@ -417,27 +417,15 @@ TEST(Report, WritesTablesAndAFigureForAPaperWithTheirOrigin) {
               HasSubstr("\\begin{tabular}{llrrrrrrrrl}\n\\toprule\nfilter & alpha & mean, mm & "
                         "95 \\% from & to & worst, mm"));
   EXPECT_THAT(table, HasSubstr("\nsteady & 0.1 & 2.395 & "));
-  const std::string figure = fake.read("paper/errors.svg");
+  const std::string figure = fake.read("paper/ranking-combinations.svg");
   EXPECT_THAT(figure, HasSubstr("<desc>Filters &lt;on&gt; a plain sheet: Weft 0.1.0"));
   std::size_t points = 0;
   for (std::size_t at = 0; (at = figure.find("<circle", at)) != std::string::npos; ++at) ++points;
   EXPECT_EQ(points, 8U) << "the four combinations of `broken` have no error";
+  const std::string pgf = fake.read("paper/differences-filter-steady.pgf");
+  EXPECT_THAT(pgf, HasSubstr("% Filters <on> a plain sheet: Weft 0.1.0"));
+  EXPECT_THAT(pgf, HasSubstr("shaky $-$ steady"));
   EXPECT_FALSE(std::filesystem::exists(fake.folder() + "/paper/cells.tex"));
-}
-
-TEST(Report, DrawsTheRatesOfFiltersForAPaperWhereNothingIsSolved) {
-  FakeResults fake({});
-  const Results results = read(fake);
-  ReportTables tables = tables_of(results);
-  for (Combination& each : tables.combinations) each.mean_mm = kUnknown;
-  EXPECT_EQ(error_figure(results, tables), "");
-  const std::string figure = filter_figure(results, tables);
-  EXPECT_THAT(figure, HasSubstr("mismatches rejected (blue) and precision (orange), %"));
-  std::size_t points = 0;
-  for (std::size_t at = 0; (at = figure.find("<circle", at)) != std::string::npos; ++at) ++points;
-  EXPECT_EQ(points, 16U) << "two rates of eight combinations";
-  for (Combination& each : tables.combinations) each.filters.clear();
-  EXPECT_EQ(filter_figure(results, tables), "");
 }
 
 /// The search path of programs, with one `rsvg-convert` that runs a script, or none.
@@ -468,7 +456,7 @@ TEST(Report, WritesFiguresAsPdfWhereAProgramForItIsInstalled) {
     ASSERT_TRUE(paper) << paper.error().message;
     EXPECT_TRUE(paper->figures);
     EXPECT_FALSE(paper->pdf);
-    EXPECT_THAT(paper->files.back(), HasSubstr("paper/errors.svg"));
+    EXPECT_THAT(paper->files.back(), HasSubstr("paper/rates-filters.svg"));
   }
   {
     const Programs one(fake.folder() + "/one",
@@ -476,15 +464,15 @@ TEST(Report, WritesFiguresAsPdfWhereAProgramForItIsInstalled) {
     const auto paper = write_paper(fake.folder());
     ASSERT_TRUE(paper) << paper.error().message;
     EXPECT_TRUE(paper->pdf);
-    EXPECT_THAT(paper->files.back(), HasSubstr("paper/errors.pdf"));
-    EXPECT_EQ(fake.read("paper/errors.pdf"),
-              "--format=pdf 0 " + fake.folder() + "/paper/errors.svg\n");
+    EXPECT_THAT(paper->files.back(), HasSubstr("paper/rates-filters.pdf"));
+    EXPECT_EQ(fake.read("paper/rates-filters.pdf"),
+              "--format=pdf 0 " + fake.folder() + "/paper/rates-filters.svg\n");
   }
   const Programs fails(fake.folder() + "/fails", "exit 1");
   const auto paper = write_paper(fake.folder());
   ASSERT_FALSE(paper);
   EXPECT_THAT(paper.error().message, HasSubstr("rsvg-convert did not make a PDF"));
-  EXPECT_THAT(paper.error().where, HasSubstr("errors.svg"));
+  EXPECT_THAT(paper.error().where, HasSubstr("ranking-combinations.svg"));
 }
 
 TEST(Report, LeavesNoMarkupInTextForLatex) {
@@ -512,6 +500,26 @@ TEST(Report, SaysHowErrorsWereMeasuredAndMeasuresThemSoAgain) {
               HasSubstr("/pipeline.yaml --out runs/00000000000000000000000000000001 &amp;&amp; "
                         "weft eval runs/00000000000000000000000000000001 --alignment rigid "
                         "--match-tolerance-px 3.5"));
+}
+
+TEST(Report, KeepsThePageOfALargePlanSmall) {
+  FakeResults::Choice many;
+  many.sequences = 4;
+  many.seeds = {1};
+  many.alphas = 200;
+  FakeResults fake(many);
+  const std::string page = written(fake);
+  EXPECT_LT(page.size(), 2'000'000U) << "2400 cells of 600 combinations";
+  EXPECT_THAT(page, HasSubstr("<code>report/cells.csv</code> has all"));
+  const auto count = [&](const std::string& text) {
+    std::size_t found = 0;
+    for (std::size_t at = 0; (at = page.find(text, at)) != page.npos; ++at) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("data-treatment="), 64U);
+  EXPECT_EQ(count("id=\"reproduce-"), 64U + 100U) << "the best, and some of those with failures";
+  const std::string cells = fake.read("report/cells.csv");
+  EXPECT_EQ(std::count(cells.begin(), cells.end(), '\n'), 1 + 2400);
 }
 
 TEST(Report, SaysWhichOfItsOwnFilesIsMissing) {

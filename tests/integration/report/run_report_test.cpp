@@ -171,6 +171,13 @@ TEST(RunReport, SaysSoWhereARunHasNoTruth) {
   }
   const RunData data = read(run);
   EXPECT_THAT(sentences_of(data)[1], HasSubstr("The run has no truth"));
+  const std::string page = page_html(page_of(data, true), {});
+  EXPECT_THAT(page, HasSubstr("<h2>Shapes in 3D</h2>"));
+  EXPECT_THAT(page, HasSubstr("<div id=\"viewer\" class=\"without-truth\">"));
+  for (const char* absent :
+       {"Estimate and truth", "Worst frames", "mean 3D error", "of the worst point"}) {
+    EXPECT_THAT(page, Not(HasSubstr(absent))) << absent;
+  }
   EXPECT_TRUE(data.view.frames[0].truth.empty());
 }
 

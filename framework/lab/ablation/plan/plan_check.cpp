@@ -154,16 +154,26 @@ std::pair<CheckedPipeline, ConfigReport> check_cell(const std::string& file,
                                                     const host::Registry& registry,
                                                     const std::string& output_folder,
                                                     host::ComponentChecks* checks) {
-  const yaml::Node* realtime = document.root.find("realtime");
-  const auto at = realtime != nullptr ? realtime->at : yaml::Position{};
+  const auto place_of = [&](const char* key) {
+    const yaml::Node* node = document.root.find(key);
+    return node != nullptr ? node->at : yaml::Position{};
+  };
+  const auto at_realtime = place_of("realtime"), at_budget = place_of("budget_ms");
   auto checked = check_pipeline(file, std::move(document), registry, output_folder, checks);
-  if (checked.first.config.latest_only) {
-    checked.second.problems.push_back(
-        {at,
+  auto& [pipeline, report] = checked;
+  if (pipeline.config.latest_only) {
+    report.problems.push_back(
+        {at_realtime,
          "with 'realtime: latest' each run takes other frames, so that cells cannot be compared; "
          "set realtime: all for an ablation"});
-    checked.second.sort();
   }
+  if (pipeline.config.budget_ms > 0) {
+    report.problems.push_back(
+        {at_budget,
+         "with 'budget_ms' results depend on the speed of the machine, so that cells cannot be "
+         "compared; set budget_ms: 0 for an ablation"});
+  }
+  report.sort();
   return checked;
 }
 

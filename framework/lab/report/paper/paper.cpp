@@ -22,6 +22,23 @@ std::string origin_of(const Results& results) {
       results.alignment);
 }
 
+Result<void> write_figures(const std::vector<PanelFigure>& figures, const std::string& folder,
+                           const std::string& origin, PaperFiles& files) {
+  for (const PanelFigure& figure : figures) {
+    const Drawing drawing = figure.drawing();
+    const std::string file = folder + "/" + drawing.name;
+    files.figures = true;
+    if (auto done = write_whole(to_pgf(drawing, origin), file + ".pgf"); !done) return done;
+    if (auto done = write_whole(to_svg_file(drawing, origin), file + ".svg"); !done) return done;
+    files.files.insert(files.files.end(), {file + ".pgf", file + ".svg"});
+    auto pdf = write_pdf(file + ".svg");
+    if (!pdf) return pdf.error();
+    files.pdf = pdf->has_value();
+    if (files.pdf) files.files.push_back(**std::move(pdf));
+  }
+  return {};
+}
+
 Result<PaperFiles> write_paper(const std::string& folder) {
   const auto results = read_results(folder);
   if (!results) return results.error();
@@ -41,16 +58,17 @@ Result<PaperFiles> write_paper(const std::string& folder) {
       return written.error();
     }
   }
-  const std::string errors = error_figure(*results, *tables);
-  const std::string figure = errors.empty() ? filter_figure(*results, *tables) : errors;
-  paper.figures = !figure.empty();
-  if (!paper.figures) return paper;
-  const char* name = errors.empty() ? "filters.svg" : "errors.svg";
-  if (auto written = write(name, figure); !written) return written.error();
-  auto pdf = write_pdf(paper.files.back());
-  if (!pdf) return pdf.error();
-  paper.pdf = pdf->has_value();
-  if (paper.pdf) paper.files.push_back(**std::move(pdf));
+  for (const ComparisonResult& comparison : tables->comparisons) {
+    const TextTable matrix = matrix_sheet(comparison);
+    if (matrix.rows.empty()) continue;
+    if (auto written = write(matrix.id + ".tex", to_latex(matrix, origin)); !written) {
+      return written.error();
+    }
+  }
+  const auto figures = panel_figures(*results, *tables);
+  if (auto done = write_figures(figures, folder + "/paper", origin, paper); !done) {
+    return done.error();
+  }
   return paper;
 }
 

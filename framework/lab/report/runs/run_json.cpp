@@ -73,7 +73,7 @@ ordered_json cell_json(const RunData& run) {
 std::string to_json(const RunData& run) {
   ordered_json object{{"measure", {{"name", "mean 3D error of a frame"}, {"unit", "mm"}}},
                       {"run", run_json(run)}};
-  for (const char* list : {"treatments", "comparisons", "sweeps", "scores", "cells"}) {
+  for (const char* list : {"treatments", "sweeps", "scores", "cells"}) {
     object[list] = ordered_json::array();
   }
   if (!run.view.frames.empty()) object["cells"].push_back(cell_json(run));

@@ -51,14 +51,29 @@ std::string times_part(const RunData& run, bool scripted) {
          to_html(sheet);
 }
 
+bool has_truth(const RunData& run) {
+  return std::any_of(run.view.frames.begin(), run.view.frames.end(),
+                     [](const ViewFrame& frame) { return !frame.truth.empty(); });
+}
+
+/// ": 0.31 mm mean error", or how sure the frame is.
+std::string what_of(const RunFrame& frame) {
+  if (std::isfinite(frame.mean_mm)) {
+    return ": " + number_cell(frame.mean_mm, 3).shown + " mm mean error";
+  }
+  return std::isfinite(frame.confidence) ? fmt::format(": confidence {:.2f}", frame.confidence)
+                                         : "";
+}
+
 std::string worst_part(const RunData& run) {
   if (run.worst.empty()) return "";
   std::string text = has_error(run)
                          ? "<p>The frames with the largest errors."
                          : "<p>The frames that are least sure of themselves; the run has no truth.";
   text +=
-      " Left the image of the video, if the run has one; beside it, from the camera, the estimate, "
-      "coloured by its error, and the truth.</p>\n<div class=\"worst\">\n";
+      " Left the image of the video, if the run has one; beside it, from the camera, the estimate";
+  text += has_truth(run) ? ", coloured by its error, and the truth.</p>\n" : ".</p>\n";
+  text += "<div class=\"worst\">\n";
   for (const WorstFrame& worst : run.worst) {
     const auto frame = std::find_if(run.frames.begin(), run.frames.end(),
                                     [&](const RunFrame& one) { return one.frame == worst.frame; });
@@ -66,10 +81,8 @@ std::string worst_part(const RunData& run) {
     if (!worst.jpeg.empty()) {
       text += "<img alt=\"\" src=\"data:image/jpeg;base64," + base64(worst.jpeg) + "\">\n";
     }
-    const TextCell error = number_cell(frame->mean_mm, 3);
     text += fmt::format("<figcaption>Frame {}, {}{}</figcaption></figure>\n", worst.frame,
-                        html_escaped(frame->state),
-                        std::isfinite(frame->mean_mm) ? ": " + error.shown + " mm mean error" : "");
+                        html_escaped(frame->state), what_of(*frame));
   }
   return text + "</div>\n";
 }
@@ -99,7 +112,8 @@ Page page_of(const RunData& run, bool scripted) {
       run.view.frames.empty() || !scripted
           ? ""
           : viewer_html(fmt::format("The page holds {} frames of the run, the worst among them.",
-                                    run.view.frames.size()));
+                                    run.view.frames.size()),
+                        has_truth(run));
   const std::string name = std::filesystem::path(run.folder).lexically_normal().filename().string();
   return {name.empty() ? run.metrics.run : name,
           "Report of a run, made by Weft " + run.version + ".",
@@ -109,8 +123,8 @@ Page page_of(const RunData& run, bool scripted) {
            {"reasons", "Why frames have no result or a weak one",
             reasons.rows.empty() ? "" : to_html(reasons)},
            {"print", "Against the flat print", flat_print_html(run.print, run.metrics)},
-           {"worst", "Worst frames", worst_part(run)},
-           {"shapes", "Estimate and truth in 3D", viewer},
+           {"worst", has_error(run) ? "Worst frames" : "Least certain frames", worst_part(run)},
+           {"shapes", has_truth(run) ? "Estimate and truth in 3D" : "Shapes in 3D", viewer},
            {"times", "Times", times_part(run, scripted)},
            {"frames", "Every frame", to_html(frames_sheet(run))},
            {"reproduce", "Settings, and how to run it again", settings_part(run)}},

@@ -2,7 +2,6 @@
 #include "lab/report/tables/scene_effects.hpp"
 
 #include <algorithm>
-#include <map>
 #include <span>
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
@@ -16,8 +15,6 @@ namespace {
 constexpr std::size_t kMostSequences = 24;  ///< that a figure has a row for
 constexpr std::size_t kStretches = 6;       ///< parts of the frames of a seed
 
-using Differences = std::map<std::uint64_t, std::vector<double>>;  ///< by seed, frame after frame
-
 /// Means of stretches of consecutive frames, of nearly equal length: neighbouring frames are
 /// correlated, stretches much less.
 void add_stretches(std::span<const double> frames, std::vector<double>& means) {
@@ -28,15 +25,6 @@ void add_stretches(std::span<const double> frames, std::vector<double>& means) {
   }
 }
 
-SceneEffect effect_of(const std::string& sequence, const Differences& differences) {
-  std::vector<double> seeds, stretches;
-  for (const auto& [seed, frames] : differences) {
-    seeds.push_back(mean(frames));
-    add_stretches(frames, stretches);
-  }
-  return {sequence, mean(seeds), bootstrap_interval(stretches), 1};
-}
-
 /// One entry for each sequence in which both have a value somewhere.
 std::map<std::string, SceneEffect> effects_by_sequence(const Panel& panel,
                                                        const PairComparison& pair) {
@@ -45,13 +33,13 @@ std::map<std::string, SceneEffect> effects_by_sequence(const Panel& panel,
                     panel.treatments.begin());
   };
   const std::size_t a = place_of(pair.a), b = place_of(pair.b);
-  std::map<std::string, Differences> differences;
+  std::map<std::string, FrameDifferences> differences;
   for (const PanelRow& row : panel.rows) {
     if (!row.has_value(a) || !row.has_value(b)) continue;
     differences[row.place.sequence][row.place.seed].push_back(*row.results[a] - *row.results[b]);
   }
   std::map<std::string, SceneEffect> effects;
-  for (const auto& [sequence, each] : differences) effects[sequence] = effect_of(sequence, each);
+  for (const auto& [sequence, each] : differences) effects[sequence] = frame_effect(sequence, each);
   return effects;
 }
 
@@ -73,6 +61,15 @@ std::vector<SceneEffect> gathered(const PlanRecord& plan,
 }
 
 }  // namespace
+
+SceneEffect frame_effect(const std::string& sequence, const FrameDifferences& differences) {
+  std::vector<double> seeds, stretches;
+  for (const auto& [seed, frames] : differences) {
+    seeds.push_back(mean(frames));
+    add_stretches(frames, stretches);
+  }
+  return {sequence, mean(seeds), bootstrap_interval(stretches), 1};
+}
 
 std::vector<std::vector<SceneEffect>> scene_effects(const Results& results,
                                                     const PlanComparison& plan,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,12 @@ struct SceneEffect {
   Interval interval;
   std::int64_t n = 0;  ///< [] sequences
 };
+
+/// Differences by seed, frame after frame.
+using FrameDifferences = std::map<std::uint64_t, std::vector<double>>;
+
+/// The effect on one sequence.
+SceneEffect frame_effect(const std::string& sequence, const FrameDifferences& differences);
 
 /// The scenes of a comparison in the order of the plan, pair by pair in the order of `pairs`. A
 /// scene is a sequence or, in plans with many, a kind of data. A scene in which a pair never has

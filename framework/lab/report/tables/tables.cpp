@@ -159,7 +159,35 @@ void fill_stages(const Results& results, Combination& row) {
   }
 }
 
+/// A page of all cells and curves of a large plan would be too large to open: it has the best
+/// combinations, and the cells of those with failures.
+void choose_parts_of_page(const Results& results, std::vector<Combination>& combinations) {
+  constexpr std::size_t kMostSelectable = 64, kMostFailing = 100, kMostCells = 2000;
+  for (const std::size_t index : best_combinations(combinations, kMostSelectable)) {
+    combinations[index].selectable = combinations[index].detailed = true;
+  }
+  std::size_t failing = 0;
+  for (Combination& each : combinations) {
+    const bool fails = each.failed + each.missing > 0 && ++failing <= kMostFailing;
+    each.detailed = each.detailed || fails || results.plan.cells.size() <= kMostCells;
+  }
+}
+
 }  // namespace
+
+std::vector<std::size_t> best_combinations(const std::vector<Combination>& combinations,
+                                           std::size_t most) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < combinations.size(); ++i) {
+    if (std::isfinite(combinations[i].mean_mm)) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return combinations[a].mean_mm < combinations[b].mean_mm;
+  });
+  if (order.size() > most) order.resize(most);
+  std::sort(order.begin(), order.end());
+  return order;
+}
 
 std::vector<Combination> combinations_of(const Results& results) {
   std::vector<Combination> rows;
@@ -199,6 +227,7 @@ Result<ReportTables> make_tables(const Results& results) {
       }
     }
   }
+  choose_parts_of_page(results, tables.combinations);
   for (const PlanExpectation& expectation : results.plan.expectations) {
     tables.expectations.push_back(judge(results, expectation));
   }

@@ -42,6 +42,8 @@ struct Combination {
   std::vector<StageTime> times = {};        ///< empty without a pass with --timing
   double processor_ms = kUnknown;           ///< [] a frame, of all stages; NaN without such a pass
   std::vector<double> shown = {};  ///< one for each metric of PlanRecord::show, over sequences
+  bool selectable = false;         ///< the page has its curves
+  bool detailed = false;           ///< the page lists its cells
 
   /// The rates of a stage, or nullptr.
   const FilterRates* filter(const std::string& stage) const;
@@ -64,6 +66,10 @@ struct ReportTables {
   bool has_error = false;                        ///< some combination has a 3D error
   bool has_times = false;                        ///< some combination has times
 };
+
+/// The combinations with the smallest mean errors, at most `most`, in the plan's order.
+std::vector<std::size_t> best_combinations(const std::vector<Combination>& combinations,
+                                           std::size_t most);
 
 /// The combinations of a plan with nothing but names and cells.
 std::vector<Combination> combinations_of(const Results& results);

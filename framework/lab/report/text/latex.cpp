@@ -5,7 +5,6 @@
 #include <utility>
 
 namespace weft::lab {
-namespace {
 
 std::string latex_comment(const std::string& text) {
   std::string result;
@@ -13,8 +12,6 @@ std::string latex_comment(const std::string& text) {
   for (std::string line; std::getline(lines, line);) result += "% " + line + "\n";
   return result;
 }
-
-}  // namespace
 
 std::string latex_escaped(const std::string& text) {
   static const std::pair<const char*, const char*> kSpecial[] = {{"\\", "\\textbackslash{}"},
@@ -30,7 +27,8 @@ std::string latex_escaped(const std::string& text) {
                                                                  {"−", "$-$"},
                                                                  {"–", "--"},
                                                                  {"·", "$\\cdot$"},
-                                                                 {"×", "$\\times$"}};
+                                                                 {"×", "$\\times$"},
+                                                                 {"…", "\\dots{}"}};
   std::string result;
   for (std::size_t i = 0; i < text.size();) {
     const std::string_view rest = std::string_view(text).substr(i);

@@ -11,6 +11,9 @@ namespace weft::lab {
 /// the lines of `origin` as comments above it.
 std::string to_latex(const TextTable& table, const std::string& origin);
 
+/// Lines of comment.
+std::string latex_comment(const std::string& text);
+
 /// Text that is no markup in LaTeX.
 std::string latex_escaped(const std::string& text);
 

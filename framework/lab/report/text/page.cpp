@@ -93,27 +93,33 @@ std::string page_html(const Page& page, const PageAssets& assets) {
   return text;
 }
 
-std::string viewer_html(const std::string& about) {
-  return "<p>" + about +
-         " A line leads from each true point to its place on the estimate, longer than it is where "
-         "the errors are enlarged. Drag to turn, scroll to come nearer.</p>\n<p "
-         "class=\"needs-script\">The 3D view needs JavaScript.</p>\n"
-         "<div id=\"viewer\"><div class=\"controls\"><label>Cell <select "
+std::string viewer_html(const std::string& about, bool has_truth) {
+  const std::string lines =
+      has_truth ? " A line leads from each true point to its place on the estimate, longer than it "
+                  "is where the errors are enlarged."
+                : "";
+  const std::string truth_parts =
+      checkbox("truth", "<span class=\"key truth\"></span>true points") +
+      checkbox("errors", "errors") +
+      "<label><input type=\"checkbox\" class=\"by-error\" value=\"\" checked> coloured by "
+      "error</label>\n";
+  return "<p>" + about + lines +
+         " Drag to turn, scroll to come nearer.</p>\n<p "
+         "class=\"needs-script\">The 3D view needs JavaScript.</p>\n" +
+         fmt::format("<div id=\"viewer\"{}>", has_truth ? "" : " class=\"without-truth\"") +
+         "<div class=\"controls\"><label>Cell <select "
          "aria-label=\"Cell\"></select></label></div>\n"
-         "<canvas aria-label=\"Estimate and truth in 3D\"></canvas>\n<div class=\"controls\">"
+         "<canvas aria-label=\"Shapes in 3D\"></canvas>\n<div class=\"controls\">"
          "<button type=\"button\" class=\"plain play\">Play</button>\n"
          "<input type=\"range\" min=\"0\" max=\"0\" value=\"0\" step=\"1\" "
          "aria-label=\"Frame\">\n<output class=\"readout\"></output></div>\n"
          "<div class=\"controls\">" +
          checkbox("surface edges", "<span class=\"key estimate\"></span>estimate") +
-         checkbox("truth", "<span class=\"key truth\"></span>true points") +
-         checkbox("errors", "errors") +
-         "<label><input type=\"checkbox\" class=\"by-error\" value=\"\" checked> coloured by "
-         "error</label>\n<label><input type=\"checkbox\" class=\"axes\" value=\"\" checked> "
-         "axes</label>\n" +
+         "<span class=\"controls of-truth\">" + truth_parts +
          "<label>enlarged <select class=\"enlarged\" aria-label=\"Errors enlarged\">"
          "<option value=\"1\">1×</option><option value=\"10\">10×</option>"
-         "<option value=\"50\">50×</option></select></label>"
+         "<option value=\"50\">50×</option></select></label></span>\n"
+         "<label><input type=\"checkbox\" class=\"axes\" value=\"\" checked> axes</label>\n"
          "<button type=\"button\" class=\"plain reset\">Reset the view</button></div>\n"
          "<div class=\"error-scale\" hidden><span>0</span><span class=\"ramp\"></span><span "
          "class=\"high\"></span></div>\n"

@@ -48,8 +48,9 @@ struct Page {
 /// The whole page, which needs nothing beside it.
 std::string page_html(const Page& page, const PageAssets& assets);
 
-/// A place for the 3D view, which the script fills; `about` is HTML.
-std::string viewer_html(const std::string& about);
+/// A place for the 3D view, which the script fills; `about` is HTML. Without truth it has no
+/// controls of errors.
+std::string viewer_html(const std::string& about, bool has_truth);
 
 /// JSON that may stand inside a script element.
 std::string script_safe(const std::string& json);

@@ -12,6 +12,8 @@
 namespace weft::lab {
 namespace {
 
+constexpr const char* kNothing = "–";  ///< shown for an unknown number
+
 /// A long name may break behind its dots.
 std::string breakable(const std::string& name) {
   std::string result;
@@ -29,6 +31,7 @@ std::string heading_html(const TextColumn& column) {
 
 std::string cell_html(const TextCell& cell, bool numeric, const std::string& before) {
   std::string attributes = numeric ? " class=\"number\"" : "";
+  if (*cell.tint != '\0') attributes += fmt::format(" class=\"{}\"", cell.tint);
   if (numeric) attributes += fmt::format(" data-value=\"{}\"", html_escaped(cell.exact));
   if (!cell.tip.empty()) attributes += fmt::format(" title=\"{}\"", html_escaped(cell.tip));
   std::string text = html_escaped(cell.shown);
@@ -60,7 +63,7 @@ TextCell text_cell(const std::string& text) { return {text, text}; }
 TextCell count_cell(std::int64_t count) { return text_cell(std::to_string(count)); }
 
 TextCell number_cell(double value, int decimals) {
-  if (!std::isfinite(value)) return {"–", ""};
+  if (!std::isfinite(value)) return {kNothing, ""};
   return {fmt::format("{:.{}f}", value, decimals), fmt::format("{:.9g}", value)};
 }
 
@@ -78,7 +81,9 @@ TextTable folded(TextTable table) {
     const bool same = std::all_of(table.rows.begin(), table.rows.end(),
                                   [&](const TextRow& row) { return row.cells[c].shown == first; });
     if (!table.columns[c].foldable || !same) continue;
-    common = table.columns[c].name + " " + first + (common.empty() ? "" : "; ") + common;
+    if (first != kNothing) {
+      common = table.columns[c].name + " " + first + (common.empty() ? "" : "; ") + common;
+    }
     const auto at = static_cast<std::ptrdiff_t>(c);
     table.columns.erase(table.columns.begin() + at);
     for (TextRow& row : table.rows) row.cells.erase(row.cells.begin() + at);
@@ -124,11 +129,18 @@ std::string to_markdown(TextTable whole) {
 }
 
 std::string to_html(TextTable whole) {
+  constexpr std::size_t kMostRows = 1000;  // a browser takes seconds for more
+  const std::size_t all = whole.rows.size();
+  if (all > kMostRows) {
+    whole.rows.resize(kMostRows);
+    whole.note =
+        fmt::format("The first {} of {} rows: report/{}.csv has all. ", kMostRows, all, whole.id) +
+        whole.note;
+  }
   const TextTable table = folded(std::move(whole));
   std::string text = fmt::format(
-      "<div class=\"scroll\" tabindex=\"0\"><table class=\"sortable\" "
-      "id=\"table-{}\"><thead><tr>",
-      table.id);
+      "<div class=\"scroll\" tabindex=\"0\"><table class=\"{}\" id=\"table-{}\"><thead><tr>",
+      table.sortable ? "sortable" : "matrix", table.id);
   for (const TextColumn& column : table.columns) text += heading_html(column);
   text += "</tr></thead>\n<tbody>\n";
   for (const TextRow& row : table.rows) text += row_html(table, row);

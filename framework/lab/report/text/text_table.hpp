@@ -10,9 +10,10 @@ namespace weft::lab {
 struct TextCell {
   std::string shown;
   std::string exact;
-  std::string tip{};   ///< where the figure comes from, on a page
-  std::string link{};  ///< an anchor of the page
-  std::string of{};    ///< where the figure is a share: the whole, exactly
+  std::string tip{};      ///< where the figure comes from, on a page
+  std::string link{};     ///< an anchor of the page
+  std::string of{};       ///< where the figure is a share: the whole, exactly
+  const char* tint = "";  ///< on a page: "better" or "worse"
 };
 
 TextCell text_cell(const std::string& text);
@@ -44,10 +45,11 @@ struct TextTable {
   std::string note;                 ///< explanation of the figures
   std::vector<TextColumn> columns;  ///< [columns] headings
   std::vector<TextRow> rows;        ///< [rows] rows without the heading
+  bool sortable = true;             ///< on a page, by each of its columns
 };
 
 /// Removes the foldable columns in which all rows, of at least two, have the same value. `note`
-/// then begins with these values: "In every row: cells failed 0 of 20; n 8."
+/// then begins with the known ones: "In every row: cells failed 0 of 20; n 8."
 TextTable folded(TextTable table);
 
 /// Every column, however alike its cells are. Shares have a second column, with the whole.
