@@ -140,6 +140,7 @@ Result<GeneratedText> plan_text(const VariedPipeline& given) {
   for (const Varied& each : run_seeds) {
     plan.add(entry_text("seeds", list_of(each.values), 0), each.argument);
   }
+  plan.add("show: [all.error_solved.mean_mm, counts.solved_percent]\n");
   if (!axes.empty()) plan.add("axes:\n");
   for (const Varied& each : axes) {
     const yaml::Node axis =

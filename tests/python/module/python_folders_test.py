@@ -8,6 +8,7 @@ import pickle
 import sys
 import tempfile
 import unittest
+from xml.etree import ElementTree
 
 import numpy as np
 import weft
@@ -30,6 +31,15 @@ class Folder(unittest.TestCase):
         file = self.folder / name
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(content if isinstance(content, str) else json.dumps(content), encoding="utf-8")
+
+
+def shown(value):
+    """What a notebook shows, as a tree: it must be well formed."""
+    return ElementTree.fromstring(value._repr_html_())
+
+
+def text_of(tree):
+    return " ".join(" ".join(tree.itertext()).split())
 
 
 def line_of(frame, state, confidence, **stage):
@@ -106,6 +116,41 @@ class Runs(Folder):
         np.testing.assert_array_equal(run.template.faces, [[0, 1, 2]])
         self.assertIsNone(run.template.m_per_px)
 
+    def test_show_states_times_and_errors_in_notebooks(self):
+        self.assertNotIn("3D error", text_of(shown(weft.open_run(self.folder))))
+        self.write("metrics.json", {"frames": [{"frame": 2, "outcome": "solved"}]})
+        self.assertNotIn("3D error", text_of(shown(weft.open_run(self.folder))))
+        self.measured()
+        tree = shown(weft.open_run(self.folder))
+        self.assertIn("3D error 1.25 mm in the mean, 1.25 mm at most", text_of(tree))
+        self.assertIn("median times filters 1.5 ms", text_of(tree))
+        self.assertEqual([(each.get("x"), each.get("width")) for each in tree.iter("rect")],
+                         [("0", "1"), ("1", "1"), ("2", "1")])
+        self.assertEqual([text_of(each) for each in tree.iter("title")],
+                         ["frame 0: none", "frame 1: estimated", "frame 2: predicted"])
+
+    def test_show_a_frame_with_its_mesh_and_stages_in_notebooks(self):
+        run = weft.open_run(self.folder)
+        tree = shown(run[1])
+        self.assertIn("state ■ estimated confidence 0.90", text_of(tree))
+        self.assertIn("filters ok 1.5 ms", text_of(tree))
+        (path,) = tree.iter("path")
+        self.assertEqual(path.get("d").count("M"), 3)  # the three edges of its face
+        self.assertEqual(len(list(shown(run[0]).iter("path"))), 0)
+
+    def test_show_texts_as_texts_in_notebooks(self):
+        line = line_of(0, "none", None, reason="<script>alert(1)</script>")
+        self.write("frames.jsonl", json.dumps({**line, "stem": "<b>"}) + "\n")
+        page = weft.open_run(self.folder)[0]._repr_html_()
+        self.assertNotIn("<script>", page)
+        self.assertIn("&lt;script&gt;", page)
+        self.assertIn("Frame 0 &lt;b&gt;", page)
+
+    def test_show_an_empty_run_and_a_template_in_notebooks(self):
+        self.assertIn("3 vertices, 1 faces", text_of(shown(weft.open_run(self.folder).template)))
+        self.write("frames.jsonl", "")
+        self.assertIn("frames 0", text_of(shown(weft.open_run(self.folder))))
+
     def test_that_are_none_or_damaged_are_named(self):
         with self.assertRaisesRegex(weft.Error, "no folder of a run") as caught:
             weft.open_run(self.folder / "frames")
@@ -167,6 +212,12 @@ class Results(Folder):
         self.assertEqual(results[2].folder, self.folder / "cells" / key_of(2))
         with self.assertRaisesRegex(weft.Error, "no axis 'filters'; it has: filter, seed, sequence"):
             results.where(filters="aem")
+
+    def test_show_means_of_each_value_in_notebooks(self):
+        self.lines(cell_line(key_of(0), mean_mm=1.0), cell_line(key_of(1), mean_mm=2.0), cell_line(key_of(2), "failed"))
+        text = text_of(shown(weft.open_results(self.folder)))
+        self.assertIn("cells 2 done, 1 failed, 1 missing", text)
+        self.assertIn("mean of cells all.error_solved.mean_mm filter = aem 1.5 filter = lpm", text)
 
     def test_name_metrics_as_the_program_does(self):
         self.lines(cell_line(key_of(0), mean_mm=None))

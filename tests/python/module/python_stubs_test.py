@@ -18,7 +18,7 @@ from weft.programs import _pipeline
 ROOT = pathlib.Path(sys.argv[1])
 PACKAGE = pathlib.Path(weft.__file__).parent
 # The few that need no words: they are made by their class.
-MADE = {"__init__", "__repr__", "__len__", "__iter__", "__getitem__", "__contains__", "__str__", "__enter__", "__exit__"}
+MADE = {"__init__", "__repr__", "_repr_html_", "__len__", "__iter__", "__getitem__", "__contains__", "__str__", "__enter__", "__exit__"}
 SHAPED = ("vertices_m", "faces", "flat_px", "texture", "mask", "covariance_m2", "source", "true_points_m", "matrix",
           "project", "states", "confidences", "errors_mm", "stage", "metric")
 

@@ -7,6 +7,7 @@ import dataclasses
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from weft.programs import notebooks
 
 
 @dataclasses.dataclass(frozen=True)
@@ -67,3 +68,10 @@ class Template:
     def __repr__(self) -> str:
         return (f"Template({len(self.vertices_m)} vertices, {len(self.faces)} faces, "
                 f"texture {'x'.join(map(str, self.texture.shape))})")
+
+    def _repr_html_(self) -> str:
+        extent_mm = 1000 * np.ptp(self.vertices_m, axis=0)
+        rows = [("mesh", f"{len(self.vertices_m)} vertices, {len(self.faces)} faces"),
+                ("extent", " x ".join(f"{each:.0f}" for each in extent_mm) + " mm"),
+                ("texture", f"{self.texture.shape[1]} x {self.texture.shape[0]} px")]
+        return notebooks.titled("Template", notebooks.mesh(self.flat_px, self.faces) + notebooks.facts(rows))

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from weft.programs import notebooks
 from weft.programs.errors import Error
 from weft.programs.geometry import Camera, Template
 
@@ -37,7 +38,8 @@ class Frame:
     """What came of one image.
 
     `index` counts images from 0. `state` is "estimated", "weak", "predicted", "lost" or "none"; `confidence` is
-    0 to 1. Of the latest shape: `vertices_m` [V,3] m, camera frame; `age_frames` since it was measured;
+    0 to 1. Of the latest shape: `vertices_m` [V,3] m, camera frame, and `faces` [F,3]; `age_frames` since it was
+    measured;
     `source` uint8 [V], 1 measured, 0 filled in by the prior; `covariance_m2` [V,3,3] m², or None;
     `diagnostics`, numbers and arrays by name. Before the first shape `vertices_m` and `source` are None.
     `failed`: a stage had an error. `stages` and `warnings` say what each came to, and what it warned of.
@@ -56,6 +58,11 @@ class Frame:
     source: NDArray[np.uint8] | None = dataclasses.field(default=None, repr=False)
     covariance_m2: NDArray[np.float64] | None = dataclasses.field(default=None, repr=False)
     diagnostics: dict[str, Any] = dataclasses.field(default_factory=dict, repr=False)
+    faces: NDArray[np.int32] | None = dataclasses.field(default=None, repr=False)
+
+    def _repr_html_(self) -> str:
+        stages = [(each.name, each.status, notebooks.milliseconds(each.ms), each.reason) for each in self.stages]
+        return notebooks.frame(f"Frame {self.index}", self, stages, self.faces)
 
     @functools.cached_property
     def report(self) -> dict[str, Any]:
@@ -118,7 +125,7 @@ class Pipeline:
         frame = self._opened.process(pixels, self._images / self._fps if t_s is None else float(t_s))
         self._images += 1
         frame["stages"] = [Stage(*each) for each in frame["stages"]]
-        return Frame(**frame)
+        return Frame(**frame, faces=self._template.faces)
 
     def close(self) -> None:
         """Ends its threads and processes; waits for an image that another thread has in work. Frames stay."""

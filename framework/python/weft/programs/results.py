@@ -7,15 +7,18 @@ import dataclasses
 import json
 import os
 import pathlib
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
+from weft.programs import notebooks
 from weft.programs.errors import Error
 from weft.programs.metrics import metric_at, read_json, whole_lines
 
 KEY_DIGITS = 32
+MOST_ROWS = 12  # of means in a notebook
 CHECK = (b',"check":"', b'"}')
 
 
@@ -77,6 +80,23 @@ class Results:
 
     def __repr__(self) -> str:
         return f"Results('{self.path}', {len(self)} cells)"
+
+    def _repr_html_(self) -> str:
+        counts = Counter(each.outcome for each in self.cells)
+        rows = [("cells", ", ".join(f"{count} {outcome}" for outcome, count in counts.items())),
+                *((name, ", ".join(values)) for name, values in self.axes.items()),
+                ("damaged", len(self.damaged) or "")]
+        paths = self.plan["show"]
+        means = [(f"{axis} = {value}", *(self._mean(path, axis, value) for path in paths))
+                 for axis, values in self.axes.items() for value in values]
+        more = [[f"and {len(means) - MOST_ROWS} more"]] if len(means) > MOST_ROWS else []
+        table = notebooks.table(["mean of cells", *paths], [*means[:MOST_ROWS], *more]) if paths and means else ""
+        return notebooks.titled(f"Results {self.path}", notebooks.facts(rows) + table)
+
+    def _mean(self, path: str, axis: str, value: str) -> str:
+        found = [each.metric(path) for each in self.cells if each.axes[axis] == value]
+        known = [each for each in found if not np.isnan(each)]
+        return f"{np.mean(known):.4g}" if known else ""
 
     def __len__(self) -> int:
         return len(self.cells)

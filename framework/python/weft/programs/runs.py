@@ -13,6 +13,7 @@ from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
+from weft.programs import notebooks
 from weft.programs.errors import Error
 from weft.programs.geometry import Camera, Template
 from weft.programs.metrics import metric_at, read_json, whole_lines
@@ -29,11 +30,17 @@ class RunFrame:
     `frame["matchers.correspondences/image_px"]` is any array, by the names of `names`.
     """
 
-    def __init__(self, line: dict[str, Any], file: pathlib.Path) -> None:
-        self._line, self._file = line, file
+    def __init__(self, line: dict[str, Any], file: pathlib.Path, run: Run) -> None:
+        self._line, self._file, self._run = line, file, run
 
     def __repr__(self) -> str:
         return f"RunFrame({self.index}, '{self.stem}', {self.state})"
+
+    def _repr_html_(self) -> str:
+        stages = [(each["stage"], each["status"], notebooks.milliseconds(each.get("ms", np.nan)),
+                   each.get("reason", "")) for each in self._line["stages"]]
+        faces = self._run.template.faces if self.vertices_m is not None else None
+        return notebooks.frame(f"Frame {self.index} {self.stem}", self, stages, faces)
 
     @property
     def index(self) -> int:
@@ -134,6 +141,21 @@ class Run:
     def __repr__(self) -> str:
         return f"Run('{self.path}', {len(self)} frames)"
 
+    def _repr_html_(self) -> str:
+        names = [each["stage"] for each in self._lines[0]["stages"]] if self._lines else []
+        times = [(name, float(np.nanmedian(ms))) for name in names if not np.isnan(ms := self.stage(name)).all()]
+        with_shape = self.confidences[self.confidences > 0]
+        try:
+            errors = self.errors_mm
+        except Error:  # it has not been measured, or has no truth
+            errors = np.array([])
+        rows = [("frames", len(self)), ("states", notebooks.states(self.states.tolist())),
+                ("confidence", f"{np.median(with_shape):.2f} in the median" if len(with_shape) else ""),
+                ("3D error", "" if np.isnan(errors).all() else
+                 f"{np.nanmean(errors):.3g} mm in the mean, {np.nanmax(errors):.3g} mm at most"),
+                ("median times", ", ".join(f"{name} {notebooks.milliseconds(ms)}" for name, ms in times))]
+        return notebooks.titled(f"Run {self.path}", notebooks.facts(rows))
+
     def __len__(self) -> int:
         return len(self._lines)
 
@@ -146,7 +168,7 @@ class Run:
         if isinstance(index, slice):
             return [self[i] for i in range(*index.indices(len(self)))]
         line = self._lines[index]
-        return RunFrame(line, self.path / "frames" / f"{line['frame']:06d}.npz")
+        return RunFrame(line, self.path / "frames" / f"{line['frame']:06d}.npz", self)
 
     def __iter__(self) -> Iterator[RunFrame]:
         return (self[i] for i in range(len(self)))
