@@ -13,15 +13,15 @@ await use_live_page(async (live) => {
   const { port } = live.run;
 
   // A mesh of more faces than edges are drawn for is drawn without them.
-  const huge = sheet(501, 401, 0.3, 0.2);
+  const huge = sheet(389, 389, 0.3, 0.2);
   await live.run.end();
   const hello = hello_message({ camera, mesh: huge, texture: "", settings: null });
   live.run = await live.start(port, hello);
-  await live.until_text("#notices", "The mesh has 400,000 faces: the page shows it without edges");
+  await live.until_text("#notices", "The mesh has 301,088 faces: the page shows it without edges");
   const vertices_m = huge.vertices_m.map((value, i) => value + [0, 0, 0.5][i % 3]);
   const parts = { image: null, visible: null, match_px: null, report: { state: "estimated" } };
   await live.show(0, { vertices_m, ...parts });
-  assert.equal(await page.evaluate(() => window.weft_live.mesh.positions().length), 3 * 501 * 401);
+  assert.equal(await page.evaluate(() => window.weft_live.mesh.positions().length), 3 * 389 * 389);
   await page.select("#colouring", "strain");
   await live.until_text("#legend", "too many faces");
 

@@ -3,10 +3,12 @@
 import { Keyboard } from "./layout/keyboard.js";
 import { Layout } from "./layout/layout.js";
 import { Announcer, Notices } from "./layout/notices.js";
+import { shortcuts_of } from "./layout/shortcuts.js";
 import { ChangeRequests } from "./link/change_requests.js";
 import { Commands } from "./link/commands.js";
 import { Connection, socket_address } from "./link/connection.js";
-import { decode_frame, template_of } from "./link/messages.js";
+import { decode_frame, read_frame, template_of } from "./link/messages.js";
+import { Status } from "./link/status.js";
 import { Recorder } from "./saving/recorder.js";
 import { save_picture } from "./saving/save.js";
 import { Settings } from "./settings/settings.js";
@@ -19,18 +21,9 @@ import { Transport } from "./time/transport.js";
 import { ImageView } from "./views/image_view.js";
 import { MeshPane } from "./views/mesh_pane.js";
 import { ViewOptions } from "./views/view_options.js";
-import {
-  behind_words,
-  has_ended,
-  notices_of,
-  offline_words,
-  silent_words,
-  state_words,
-} from "./words.js";
+import { notices_of, state_words } from "./words.js";
 
 const kStrips_ms = 200; // between drawings of the strips
-const kStill_s = 3; // without a frame of the run, when the server reports it
-const kBehind_s = 5; // without one here although the run goes on, from which the page reports it
 
 const by_id = (id) => document.getElementById(id);
 const now_s = () => performance.now() / 1000;
@@ -42,9 +35,6 @@ class Page {
   #compared = null; // place of the frame to compare with
   #other = { place: null, vertices_m: null }; // that was read last
   #strips_at_s = 0;
-  #frame_at_s = null; // when the last one arrived; null without a connection
-  #ended = false; // by a request of this page
-  #still_since_s = null; // when the run's last frame came, where the server reports it
 
   constructor() {
     this.notices = new Notices(by_id("notices"));
@@ -63,6 +53,7 @@ class Page {
     this.change_requests = new ChangeRequests((message) => this.connection.send(message));
     this.settings = new Settings(by_id("settings"), this.change_requests);
     this.commands = new Commands(by_id("outcome"), this.change_requests, () => this.#run_changed());
+    this.status = new Status(by_id("connection"), this.announcer, this.commands);
     this.transport = new Transport(by_id("transport"), this);
     this.recorder = new Recorder(by_id("transport"));
     this.layout = new Layout(() => this.#recolour());
@@ -72,7 +63,7 @@ class Page {
       online: () => this.#connected(),
       offline: (how) => this.#disconnected(how),
     });
-    setInterval(() => this.#watch(), 1000);
+    setInterval(() => this.status.write(), 1000);
   }
 
   /** The frame that is shown, for tests and curious readers. */
@@ -83,34 +74,8 @@ class Page {
   #listen() {
     by_id("screenshot").addEventListener("click", () => this.#save());
     by_id("compare").addEventListener("click", () => this.#compare());
-    const { transport, playback, layout } = this;
-    const key = (key, words, act, name) => ({ key, words, act, name });
-    this.keyboard = new Keyboard(by_id("help-dialog"), [
-      key(" ", "play or pause the run", () => transport.toggle(), "space"),
-      key("ArrowLeft", "frame before", () => transport.step(-1), "←"),
-      key("ArrowRight", "next frame; at the newest one a step of the run", () => transport.step(1), "→"),
-      key(",", "loss or change before", () => playback.go_to_mark(-1)),
-      key(".", "next loss or change", () => playback.go_to_mark(1)),
-      key("l", "newest frame", () => playback.go_live()),
-      key("c", "compare with the frame before the last change", () => this.#compare()),
-      key("f", "fit the mesh into the view", () => this.mesh.fit("fit")),
-      key("1", "view of the camera", () => this.mesh.fit("front")),
-      key("2", "view from the right", () => this.mesh.fit("side")),
-      key("3", "view from above", () => this.mesh.fit("top")),
-      key("i", "image alone", () => layout.toggle_alone("image")),
-      key("m", "mesh alone", () => layout.toggle_alone("mesh")),
-      key("Escape", "both views again", () => layout.leave_alone(), "Esc"),
-      key("s", "settings", () => layout.toggle_drawer("settings")),
-      key("t", "strips", () => layout.toggle_drawer("strips")),
-      key("?", "this list", () => this.keyboard.show()),
-    ]);
-    addEventListener("keydown", (event) => {
-      if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
-      if (event.target.matches?.("input[type=text], input[type=number], input[type=search]")) return;
-      event.preventDefault();
-      if (event.shiftKey) this.settings.edits.redo();
-      else this.settings.edits.undo();
-    });
+    const actions = { compare: () => this.#compare(), help: () => this.keyboard.show() };
+    this.keyboard = new Keyboard(by_id("help-dialog"), shortcuts_of(this, actions));
   }
 
   #receive(message) {
@@ -125,8 +90,7 @@ class Page {
     } else if (message.type === "pause") {
       this.commands.pause_told(message);
     } else if (message.type === "still") {
-      this.#still_since_s = message.still ? now_s() - kStill_s : null;
-      this.#watch();
+      this.status.still_told(message.still);
     }
   }
 
@@ -175,7 +139,7 @@ class Page {
     const from = this.connection.current;
     const arrived_s = now_s();
     try {
-      const frame = await with_picture(decode_frame(buffer));
+      const frame = await read_frame(buffer);
       if (from !== this.connection.current) return frame.picture?.close(); // of a run that left
       await new Promise(requestAnimationFrame);
       this.#keep(frame, buffer, arrived_s);
@@ -186,7 +150,7 @@ class Page {
   }
 
   #keep(frame, buffer, arrived_s) {
-    this.#frame_at_s = now_s();
+    this.status.frame_came();
     const sample = sample_of(frame, arrived_s);
     sample.delays = this.delays.of(sample);
     this.history.push(sample, buffer);
@@ -201,7 +165,7 @@ class Page {
       // The moment may have left the history.
       if (this.playback.sample.frame !== this.#frame?.frame) this.#move();
     }
-    if (this.#frame_at_s - this.#strips_at_s >= kStrips_ms / 1000) this.#draw_time();
+    if (now_s() - this.#strips_at_s >= kStrips_ms / 1000) this.#draw_time();
   }
 
   #draw_time() {
@@ -221,7 +185,7 @@ class Page {
     this.#is_seeking = true;
     for (let shown = null; this.playback.sample && shown !== this.playback.sample; ) {
       shown = this.playback.sample;
-      const frame = await with_picture(decode_frame(shown.message));
+      const frame = await read_frame(shown.message);
       if (this.playback.is_live && shown !== this.playback.sample) {
         frame.picture?.close(); // newer ones come by themselves
         break;
@@ -302,48 +266,18 @@ class Page {
   }
 
   #connected() {
-    this.#frame_at_s = now_s();
-    this.#still_since_s = null;
-    this.#ended = false;
+    this.status.connected();
     this.commands.connect(true);
     by_id("stages").inert = false;
-    this.#say_connection("Connected", "on");
   }
 
-  #disconnected({ was, pause_ms }) {
-    this.#frame_at_s = null;
+  #disconnected(how) {
     this.change_requests.lose();
-    if (this.commands.stops) this.#ended = true;
+    this.status.disconnected(how, this.commands.stops);
     this.commands.forget();
     this.commands.connect(false);
     by_id("stages").inert = true;
     this.recorder.leave_run();
-    const how = this.#ended ? { code: 1001 } : was;
-    const again = `Trying again in ${pause_ms < 1000 ? "a moment" : `${pause_ms / 1000} s`}.`;
-    const words = offline_words(how, location.host);
-    this.#say_connection(has_ended(how) ? words : `${words} ${again}`, "off");
-    this.announcer.say("offline", words);
-  }
-
-  #say_connection(words, kind) {
-    const root = by_id("connection");
-    root.textContent = words;
-    root.dataset.kind = kind;
-  }
-
-  /** Reports that frames do not come although the run is there. */
-  #watch() {
-    if (this.#frame_at_s === null || document.hidden) return;
-    const since = (at_s) => Math.floor(now_s() - at_s);
-    let words = "Connected";
-    if (this.commands.paused) {
-      // No frame is due.
-    } else if (this.#still_since_s !== null) {
-      words = silent_words(since(this.#still_since_s));
-    } else if (since(this.#frame_at_s) >= kBehind_s) {
-      words = behind_words(since(this.#frame_at_s));
-    }
-    this.#say_connection(words, "on");
   }
 
   #save() {
@@ -354,13 +288,6 @@ class Page {
     this.mesh.render();
     save_picture(this.image.canvas, by_id("mesh"), words, `weft_${number}.png`);
   }
-}
-
-/** The frame with its image decoded as `picture`, or null. */
-async function with_picture(frame) {
-  const blob = frame.image && new Blob([frame.image], { type: "image/jpeg" });
-  frame.picture = blob ? await createImageBitmap(blob) : null;
-  return frame;
 }
 
 // For tests and for curious readers: `weft_live.frame` is the frame that is shown.

@@ -63,7 +63,8 @@ export function state_words(report) {
   const cause = state !== "estimated" || failed ? cause_of(stages) : null;
   const why = cause ? `${cause.stage}: ${cause.reason || kStatuses[cause.status]}` : "";
   const text = [about_the_shape(report), report.reason, why].filter(Boolean).join("; ");
-  return { state, title, text, topic: `${title} ${cause?.stage ?? ""} ${is_of_set_up(report.reason) ? "set-up" : ""}` };
+  const topic = [title, cause?.stage, is_of_set_up(report.reason) && "set-up"];
+  return { state, title, text, topic: topic.filter(Boolean).join(" ") };
 }
 
 /** What somebody must see besides: warnings of the run, and that the camera is not calibrated. */
@@ -134,7 +135,8 @@ export function match_words({ match_px, match_kept, match_score, matches }, inde
   const verdict = match_kept[index] ? "kept" : "rejected";
   const of_all = matches > match_kept.length ? ` (a selection of ${matches})` : "";
   const place = `at ${x_px.toFixed(1)}, ${y_px.toFixed(1)} px`;
-  return `Match ${index + 1} of ${match_kept.length}${of_all}: ${verdict}, score ${match_score[index].toPrecision(3)}, ${place}`;
+  const score = match_score[index].toPrecision(3);
+  return `Match ${index + 1} of ${match_kept.length}${of_all}: ${verdict}, score ${score}, ${place}`;
 }
 
 export const size_words = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;

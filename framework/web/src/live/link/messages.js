@@ -36,6 +36,14 @@ export function decode_frame(buffer) {
   return frame;
 }
 
+/** The same with its image decoded as `picture`, an ImageBitmap to be closed, or null. */
+export async function read_frame(buffer) {
+  const frame = decode_frame(buffer);
+  const blob = frame.image && new Blob([frame.image], { type: "image/jpeg" });
+  frame.picture = blob ? await createImageBitmap(blob) : null;
+  return frame;
+}
+
 /** The template of a `hello` with its edges and their lengths at rest; null without one. A huge mesh
     has no edges here. */
 export function template_of({ template }) {

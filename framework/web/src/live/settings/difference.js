@@ -54,7 +54,9 @@ export function pipeline_of({ pipeline, stages }, changes) {
     node[names.at(-1)] = parameter.value;
   }
   const file = pipeline.split("/").at(-1);
-  const entries = [...by_stage].map(([stage, params]) => `  - {as: ${quoted(stage)}, params: ${flow(params)}}\n`);
+  const entries = [...by_stage].map(
+    ([stage, params]) => `  - {as: ${quoted(stage)}, params: ${flow(params)}}\n`,
+  );
   return (
     `# Settings of the live view. Keep this file in the folder of ${file}.\n` +
     `weft: 1\nextends: ${quoted(file)}\n${entries.length ? "stages:\n" : ""}${entries.join("")}`

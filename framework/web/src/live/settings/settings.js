@@ -35,6 +35,16 @@ export class Settings {
     this.edits = new Edits(change_requests, () => this.panel.write_edits());
     this.panel = new ChangesPanel(root, this.edits);
     this.panel.write_edits();
+    addEventListener("keydown", (event) => this.#press(event));
+  }
+
+  /** Ctrl+Z and Ctrl+Shift+Z, but for texts that are being typed. */
+  #press(event) {
+    if (!(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+    if (event.target.matches?.("input[type=text], input[type=number], input[type=search]")) return;
+    event.preventDefault();
+    if (event.shiftKey) this.edits.redo();
+    else this.edits.undo();
   }
 
   /** A run began, with these settings; each may be null. */

@@ -90,6 +90,7 @@ export class ImageView {
   }
 
   draw() {
+    if (this.canvas.clientWidth === 0) return; // it is not shown
     const pen = pen_of(this.canvas);
     if (!this.#frame) return;
     this.#paint(pen);

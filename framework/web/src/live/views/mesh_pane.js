@@ -41,7 +41,7 @@ export class MeshPane {
   }
 
   fit(from) {
-    this.#view?.fit(from);
+    this.#view?.viewpoint.fit(from);
   }
 
   render() {

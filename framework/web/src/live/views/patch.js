@@ -22,15 +22,16 @@ export class Patch {
     this.words.textContent = match_words(frame, index);
     const [x_px, y_px] = frame.match_px.subarray(2 * index, 2 * index + 2);
     const shrunk = frame.picture ? frame.picture.width / camera.width_px : 1;
-    this.#draw(this.of_image, frame.picture, (x_px + 0.5) * shrunk, (y_px + 0.5) * shrunk, kRadius_px * shrunk);
+    const centre_px = [(x_px + 0.5) * shrunk, (y_px + 0.5) * shrunk];
+    this.#draw(this.of_image, frame.picture, centre_px, kRadius_px * shrunk);
     const [u, v] = frame.match_uv.subarray(2 * index, 2 * index + 2);
     const { naturalWidth: width = 0, naturalHeight: height = 0 } = texture ?? {};
     // As much of the texture as an image that it fills would show.
     const radius = (kRadius_px * width) / camera.width_px;
-    this.#draw(this.of_texture, texture, u * width, v * height, radius);
+    this.#draw(this.of_texture, texture, [u * width, v * height], radius);
   }
 
-  #draw(canvas, source, x, y, radius) {
+  #draw(canvas, source, [x, y], radius) {
     const pen = canvas.getContext("2d");
     pen.clearRect(0, 0, canvas.width, canvas.height);
     if (!source) return;
