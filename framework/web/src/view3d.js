@@ -79,6 +79,7 @@ export class View3d {
 
   render() {
     const { clientWidth, clientHeight } = this.canvas;
+    if (clientWidth === 0) return; // it is not shown
     const size = this.renderer.getSize(new Vector2());
     if (size.x !== clientWidth || size.y !== clientHeight) {
       this.renderer.setSize(clientWidth, clientHeight, false);
