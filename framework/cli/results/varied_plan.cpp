@@ -94,7 +94,7 @@ std::string entry_text(const std::string& key, const yaml::Node& value, int inde
   return text;
 }
 
-std::string plain(const std::string& text) {
+std::string name_part(const std::string& text) {
   std::string name = text;
   std::replace_if(
       name.begin(), name.end(),
@@ -104,8 +104,9 @@ std::string plain(const std::string& text) {
 
 std::string name_of(const VariedPipeline& given) {
   constexpr std::size_t kLongest = 100;
-  std::string name = plain(fs::path(given.pipeline).stem().string());
-  for (const std::string& each : given.varied) name += "-" + plain(each.substr(0, each.find('=')));
+  std::string name = name_part(fs::path(given.pipeline).stem().string());
+  for (const std::string& each : given.varied)
+    name += "-" + name_part(each.substr(0, each.find('=')));
   return name.substr(0, kLongest);
 }
 
@@ -145,7 +146,7 @@ Result<GeneratedText> plan_text(const VariedPipeline& given) {
   for (const Varied& each : axes) {
     const yaml::Node axis =
         map_of({{"set", {}, yaml::plain_node(each.path)}, {"values", {}, list_of(each.values)}});
-    plan.add(entry_text(plain(each.path), axis, 2), each.argument);
+    plan.add(entry_text(name_part(each.path), axis, 2), each.argument);
   }
   return plan;
 }
