@@ -42,8 +42,8 @@ slurm=()
 for argument in "$@"; do
   case $argument in
     --tests) tests=(abigail-tools clang libclang-rt-dev clang-format clang-tidy codespell gcovr
-      chromium libc++-dev libc++abi-dev python3-jsonschema python3-matplotlib python3-mypy
-      python3-numpy python3-opencv python3-torch python3-websockets python3-xxhash python3-yaml) ;;
+      chromium libc++-dev libc++abi-dev python3-ipykernel python3-jsonschema python3-matplotlib
+      python3-mypy python3-nbclient python3-numpy python3-opencv python3-torch python3-websockets python3-xxhash python3-yaml) ;;
     --docs) docs=(doxygen libjs-mathjax mkdocs mkdocs-material python3-pymdownx) ;;
     --with-slurm) slurm=(slurm-wlm munge) ;;
     --without-contrib) contrib=() ;;
