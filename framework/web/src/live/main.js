@@ -120,9 +120,10 @@ class Page {
   #show_settings(settings) {
     this.settings.show(settings);
     this.recorder.show_settings(settings);
-    by_id("pipeline").textContent = settings?.pipeline ?? "";
+    const folders = settings?.pipeline?.split("/") ?? [];
+    by_id("pipeline").textContent = folders.slice(-2).join("/");
     by_id("pipeline").title = settings?.pipeline ?? "";
-    const file = settings?.pipeline?.split("/").at(-1);
+    const file = folders.at(-1);
     document.title = file ? `${file} – Weft live` : "Weft live";
     for (const text of settings?.warnings ?? []) this.notices.add(text);
   }
