@@ -53,6 +53,7 @@ LIBRARIES = (
     Library("OpenCV 4.6", "Apache-2.0", r"opencv4/", r"libopencv_"),
     Library("Python 3.11", "PSF-2.0", r"python3\.11/", r"libpython3"),
     Library("SQLite 3", "public domain", r"sqlite3\.h", r"libsqlite3"),
+    Library("tinygltf 2.7", "MIT", r"tiny_gltf\.h"),
     Library("xxHash", "BSD-2-Clause", r"xxhash\.h|xxh3\.h", r"libxxhash"),
     Library("yaml-cpp 0.7", "MIT", r"yaml-cpp/", r"libyaml-cpp"),
 )
