@@ -154,6 +154,22 @@ PanelFigure differences_of(const std::vector<CommonCombination>& common,
           "orange: B is; grey: not decided. The table has all combinations."};
 }
 
+/// The headline of each combination, or of many their number.
+std::vector<std::string> sentences_of(const std::vector<ComparisonTable>& tables) {
+  constexpr std::size_t kFew = 3;
+  std::vector<std::string> headlines;
+  std::size_t a_better = 0, b_better = 0;
+  for (const ComparisonTable& table : tables) {
+    if (table.pairs.empty()) continue;
+    headlines.push_back(table.headline);
+    a_better += table.pairs.front().verdict == Call::a ? 1 : 0;
+    b_better += table.pairs.front().verdict == Call::b ? 1 : 0;
+  }
+  if (headlines.size() <= kFew) return headlines;
+  return {fmt::format("A is better in {} of {} combinations, B in {}; the others are not decided.",
+                      a_better, headlines.size(), b_better)};
+}
+
 Result<void> compare_errors(const ReadAblation& a, const ReadAblation& b,
                             const std::vector<CommonCombination>& common, PairContent& content) {
   std::vector<ObservationGroup> groups;
@@ -165,9 +181,7 @@ Result<void> compare_errors(const ReadAblation& a, const ReadAblation& b,
   }
   const auto tables = compare_separately(groups);
   if (!tables) return tables.error();
-  for (const ComparisonTable& table : *tables) {
-    if (!table.pairs.empty()) content.sentences.push_back(table.headline);
-  }
+  content.sentences = sentences_of(*tables);
   content.figures.push_back(differences_of(common, *tables));
   content.tables.push_back(pairs_sheet(common, *tables));
   return {};

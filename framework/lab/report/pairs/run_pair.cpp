@@ -171,7 +171,7 @@ void compare_errors(const RunData& a, const RunData& b, PairContent& content) {
     return;
   }
   content.sentences.push_back(paired_sentence("mean 3D error", "mm", frames));
-  content.figures.push_back(paired_figure("errors", "mean 3D error", "mm", frames));
+  content.figures.push_back(paired_figure("paired-errors", "mean 3D error", "mm", frames));
   const LineChart chart{"errors-by-frame",
                         "Mean 3D error of each frame",
                         "frame",
@@ -192,7 +192,7 @@ void compare_times(const RunData& a, const RunData& b, PairContent& content) {
   const PairedFrames frames = paired(frame_times_ms(a), frame_times_ms(b));
   if (frames.a.empty()) return;
   content.sentences.push_back(paired_sentence("time of a frame", "ms", frames));
-  content.figures.push_back(paired_figure("times", "time of a frame", "ms", frames));
+  content.figures.push_back(paired_figure("paired-times", "time of a frame", "ms", frames));
   content.tables.push_back(stage_times_sheet(a, b));
 }
 

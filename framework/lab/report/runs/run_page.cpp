@@ -72,8 +72,8 @@ std::string worst_part(const RunData& run) {
                          : "<p>The frames that are least sure of themselves; the run has no truth.";
   text +=
       " Left the image of the video, if the run has one; beside it, from the camera, the estimate";
-  text += has_truth(run) ? ", coloured by its error, and the truth.</p>\n" : ".</p>\n";
-  text += "<div class=\"worst\">\n";
+  text += has_truth(run) ? ", coloured by its error, and the truth.</p>\n<div class=\"worst\">\n"
+                         : ".</p>\n<div class=\"worst without-truth\">\n";
   for (const WorstFrame& worst : run.worst) {
     const auto frame = std::find_if(run.frames.begin(), run.frames.end(),
                                     [&](const RunFrame& one) { return one.frame == worst.frame; });

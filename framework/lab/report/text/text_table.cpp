@@ -81,7 +81,7 @@ TextTable folded(TextTable table) {
     const bool same = std::all_of(table.rows.begin(), table.rows.end(),
                                   [&](const TextRow& row) { return row.cells[c].shown == first; });
     if (!table.columns[c].foldable || !same) continue;
-    if (first != kNothing) {
+    if (!first.empty() && first != kNothing) {
       common = table.columns[c].name + " " + first + (common.empty() ? "" : "; ") + common;
     }
     const auto at = static_cast<std::ptrdiff_t>(c);
