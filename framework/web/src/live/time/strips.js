@@ -34,6 +34,7 @@ export class Strips {
   #colours = new StageColours();
   #strips = new Map();
   #end_s = 0; // of what is drawn
+  #writes = []; // of the page, after all canvases are drawn: between them each costs a layout
 
   constructor(root, history, playback) {
     this.history = history;
@@ -64,6 +65,7 @@ export class Strips {
     this.#draw_rate(samples, sample);
     this.#draw_kept(samples, sample);
     this.#draw_confidence(samples, sample);
+    for (const write of this.#writes.splice(0)) write();
   }
 
   /** It ends at the newest frame, or stays where it is until the moment leaves it. */
@@ -80,9 +82,11 @@ export class Strips {
   /** `draw(plot)` draws between the scale and the marks. */
   #plot(name, samples, sample, { top, label, words }, draw) {
     const { canvas, value } = this.#strips.get(name);
-    value.textContent = words;
     if (canvas.clientWidth === 0) return;
-    canvas.setAttribute("aria-label", `Over ${kSpan_s} seconds; now ${words}`);
+    this.#writes.push(() => {
+      value.textContent = words;
+      canvas.setAttribute("aria-label", `Over ${kSpan_s} seconds; now ${words}`);
+    });
     const plot = new Plot(canvas, this.#end_s, top, label);
     draw(plot);
     for (const { at_s, mark } of samples) {
@@ -112,7 +116,8 @@ export class Strips {
     const items = rows.map(({ stage, ms }) =>
       keyed(`--series-${this.#colours.slot(stage) + 1}`, stage, milliseconds(ms)),
     );
-    this.#strips.get("stages").list.replaceChildren(...items);
+    const { list } = this.#strips.get("stages");
+    this.#writes.push(() => list.replaceChildren(...items));
   }
 
   #draw_delays(samples, sample) {
@@ -128,7 +133,8 @@ export class Strips {
       keyed(colour, title, milliseconds(sample.delays[name])),
     );
     const words = delay_words(sample.delays, lost("lost_run"), lost("lost_link"));
-    this.#strips.get("delays").list.replaceChildren(...items, element("li", { textContent: words }));
+    const { list } = this.#strips.get("delays");
+    this.#writes.push(() => list.replaceChildren(...items, element("li", { textContent: words })));
   }
 
   #draw_rate(samples, sample) {

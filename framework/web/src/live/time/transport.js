@@ -45,6 +45,7 @@ export class Transport {
   draw() {
     const { history, playback, commands } = this;
     const { samples, latest } = history;
+    if (latest) this.#draw_marks(samples, latest); // before what costs a layout is written
     const plays = playback.is_live && !commands.paused;
     this.play.dataset.plays = plays;
     this.play.querySelector(".words").textContent = plays ? "Pause" : "Play";
@@ -64,7 +65,6 @@ export class Transport {
     this.slider.setAttribute("aria-valuetext", words);
     this.words.textContent = words;
     this.kept.textContent = kept_words(latest.at_s - samples[0].at_s, history.bytes);
-    this.#draw_marks(samples, latest);
   }
 
   #draw_marks(samples, latest) {
