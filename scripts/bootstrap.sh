@@ -29,8 +29,8 @@ packages=(
   libopencv-calib3d-dev libopencv-imgcodecs-dev libopencv-videoio-dev libopencv-video-dev
   libopencv-dnn-dev libavformat-dev
   libeigen3-dev libboost-dev libboost-filesystem-dev libyaml-cpp-dev libcgal-dev
-  libembree-dev libceres-dev libhwy-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtinygltf-dev libxxhash-dev libzip-dev libsqlite3-dev
-  libjpeg-dev libpng-dev
+  libembree-dev libceres-dev libhwy-dev libcli11-dev libfmt-dev nlohmann-json3-dev libtinygltf-dev
+  libxxhash-dev libzip-dev libminizip-dev libsqlite3-dev libjpeg-dev libpng-dev zlib1g-dev
   python3 python3-dev python3-numpy pybind11-dev
 )
 contrib=(libopencv-contrib-dev)

@@ -47,6 +47,7 @@ LIBRARIES = (
     Library("libjpeg-turbo 2.1", "IJG, BSD-3-Clause", r"j(peglib|error|morecfg|config)\.h", r"libjpeg"),
     Library("libpng 1.6", "libpng", r"png\.h|pngconf\.h|pnglibconf\.h", r"libpng"),
     Library("libzip", "BSD-3-Clause", r"zip(conf)?\.h", r"libzip"),
+    Library("minizip, zlib", "Zlib", r"minizip/|zlib\.h|zconf\.h", r"libminizip|libz\."),
     Library("MPFR", "LGPL-3.0-or-later", r"mpfr\.h", r"libmpfr"),
     Library("nlohmann-json", "MIT", r"nlohmann/"),
     Library("OpenCL headers, ICD loader", "Apache-2.0, BSD-2-Clause", r"CL/", r"libOpenCL"),

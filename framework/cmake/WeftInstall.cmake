@@ -123,7 +123,7 @@ set(CPACK_DEBIAN_DEV_PACKAGE_NAME weft-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "cmake (>= 3.25)")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libeigen3-dev")
 # What the components testing and embedding are linked with, tests of plugins, and plugins in Python.
-set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "libboost-filesystem-dev, libyaml-cpp-dev, libzip-dev, \
+set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS "libboost-filesystem-dev, libyaml-cpp-dev, libminizip-dev, \
 libxxhash-dev, libgtest-dev, libgmock-dev, nlohmann-json3-dev, pkg-config, python3-dev, python3-numpy")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-weft)
 get_property(python_versions GLOBAL PROPERTY WEFT_PYTHON_MODULE_VERSIONS)

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "host/records/npz.hpp"
 
-#include <zip.h>
+#include <minizip/unzip.h>
+#include <minizip/zip.h>
 
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <map>
@@ -17,10 +19,14 @@
 namespace weft::host {
 namespace {
 
-struct ZipCloser {
-  void operator()(zip_t* archive) const { zip_discard(archive); }
+struct ReadCloser {
+  void operator()(void* archive) const { unzClose(archive); }
 };
-using Archive = std::unique_ptr<zip_t, ZipCloser>;
+using Archive = std::unique_ptr<void, ReadCloser>;
+
+struct WriteCloser {
+  void operator()(void* archive) const { zipClose(archive, nullptr); }
+};
 
 Error zip_failure(const std::string& file, const std::string& what) {
   return {Errc::io, what, file};
@@ -32,38 +38,35 @@ Result<Archive> open_archive(const std::string& file) {
   const fs::file_status status = fs::status(file, failure);
   if (!fs::exists(status)) return zip_failure(file, "there is no such file");
   if (!fs::is_regular_file(status)) return zip_failure(file, "is no regular file");
-  int code = 0;
-  Archive archive(zip_open(file.c_str(), ZIP_RDONLY, &code));
+  Archive archive(unzOpen64(file.c_str()));
   if (!archive) return zip_failure(file, "cannot be read as an npz file");
-  if (zip_get_num_entries(archive.get(), 0) > kMostNpzMembers) {
-    return zip_failure(file, "has more than " + std::to_string(kMostNpzMembers) + " members");
-  }
   return archive;
 }
 
-/// The whole member at `index`. It is read to its end, where its checksum is compared, and in
-/// pieces, because the size that a damaged file states may be anything. `room` is what may still be
-/// read of this archive.
-Result<NpzMember> read_member(zip_t* archive, zip_uint64_t index, const std::string& file,
-                              std::uint64_t& room) {
-  const char* name = zip_get_name(archive, index, 0);
-  const std::string path = name != nullptr ? name : "";
-  const Error damaged = zip_failure(file, "is damaged at the member '" + path + "'");
-  const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> stream(zip_fopen_index(archive, index, 0),
-                                                                 &zip_fclose);
-  if (!stream) return damaged;
+/// The whole member at which the archive stands. It is read to its end, where its checksum is
+/// compared, and in pieces, because the size that a damaged file states may be anything. `room` is
+/// what may still be read of this archive.
+Result<NpzMember> read_member(unzFile archive, const std::string& file, std::uint64_t& room) {
+  std::string path(UINT16_MAX, '\0');  // the longest name of the format
+  unz_file_info64 info{};
+  if (unzGetCurrentFileInfo64(archive, &info, path.data(), path.size(), nullptr, 0, nullptr, 0) !=
+      UNZ_OK) {
+    return zip_failure(file, "is damaged in its list of members");
+  }
+  path.resize(std::min<std::size_t>(info.size_filename, path.size()));
+  const Error damaged = zip_failure(file, "is damaged at the member " + quote(path));
   auto member = NpzMember::of_path(path);
-  if (!member) return damaged;
+  if (!member || unzOpenCurrentFile(archive) != UNZ_OK) return damaged;
   std::array<char, 1U << 16U> piece;
-  zip_int64_t got = 0;
-  while ((got = zip_fread(stream.get(), piece.data(), piece.size())) > 0) {
-    if (static_cast<std::uint64_t>(got) > room) {
-      return zip_failure(file, "holds far more than its size: '" + path + "' is not read");
+  int got = 0;
+  while ((got = unzReadCurrentFile(archive, piece.data(), piece.size())) > 0) {
+    if (to_index(got) > room) {
+      return zip_failure(file, "holds far more than its size: " + quote(path) + " is not read");
     }
-    room -= static_cast<std::uint64_t>(got);
+    room -= to_index(got);
     member->bytes.append(piece.data(), to_index(got));
   }
-  if (got < 0) return damaged;
+  if (unzCloseCurrentFile(archive) != UNZ_OK || got < 0) return damaged;
   return *std::move(member);
 }
 
@@ -103,6 +106,27 @@ struct Assembly {
   }
 };
 
+/// Stored, not compressed: what is measured is noise to a compressor.
+bool add_member(zipFile archive, const NpzMember& member) {
+  constexpr uLong kUtf8Names = 1UL << 11U, kVersionMadeBy = 20;
+  zip_fileinfo info{};
+  info.dosDate = 33UL << 16U;  // 1980-01-01: no hidden time
+  const std::string& bytes = member.bytes;
+  const bool is_large = bytes.size() >= UINT32_MAX;
+  if (zipOpenNewFileInZip4_64(archive, member.path().c_str(), &info, nullptr, 0, nullptr, 0,
+                              nullptr, 0, Z_NO_COMPRESSION, 0, -MAX_WBITS, DEF_MEM_LEVEL,
+                              Z_DEFAULT_STRATEGY, nullptr, 0, kVersionMadeBy, kUtf8Names,
+                              is_large ? 1 : 0) != ZIP_OK) {
+    return false;
+  }
+  constexpr std::size_t kPiece = std::size_t{1} << 30U;  // sizes of one call are 32 bits wide
+  for (std::size_t at = 0; at < bytes.size(); at += kPiece) {
+    const auto size = static_cast<unsigned>(std::min(kPiece, bytes.size() - at));
+    if (zipWriteInFileInZip(archive, bytes.data() + at, size) != ZIP_OK) return false;
+  }
+  return zipCloseFileInZip(archive) == ZIP_OK;
+}
+
 }  // namespace
 
 Result<void> write_npz(const std::string& file, const NamedRecords& records,
@@ -115,30 +139,14 @@ Result<void> write_npz(const std::string& file, const NamedRecords& records,
   };
   UnfinishedFile unfinished(file);
   if (const std::error_code reason = unfinished.status()) return failure(reason);
-  int code = 0;
-  Archive archive(zip_open(unfinished.path().c_str(), ZIP_CREATE | ZIP_TRUNCATE, &code));
+  errno = 0;
+  std::unique_ptr<void, WriteCloser> archive(
+      zipOpen64(unfinished.path().c_str(), APPEND_STATUS_CREATE));
   if (!archive) return zip_failure(file, "cannot be created; is the folder writable?");
-  for (const NpzMember& member : members) {
-    const std::string name = member.path();
-    zip_source_t* source =
-        zip_source_buffer(archive.get(), member.bytes.data(), member.bytes.size(), 0);
-    const zip_int64_t index = zip_file_add(archive.get(), name.c_str(), source, ZIP_FL_ENC_UTF_8);
-    if (index < 0) {
-      zip_source_free(source);
-      return zip_failure(file, "cannot hold the member " + name);
-    }
-    const auto entry = static_cast<zip_uint64_t>(index);
-    zip_set_file_compression(archive.get(), entry, ZIP_CM_STORE, 0);
-    zip_file_set_dostime(archive.get(), entry, 0, 33, 0);  // 1980-01-01: no hidden time
-  }
-  if (zip_close(archive.get()) != 0) {
-    const std::error_code reason(zip_error_code_system(zip_get_error(archive.get())),
-                                 std::generic_category());
-    if (reason) return failure(reason);
-    return zip_failure(file,
-                       "cannot be written (" + std::string(zip_strerror(archive.get())) + ")");
-  }
-  static_cast<void>(archive.release());
+  bool written = true;
+  for (const NpzMember& member : members) written = written && add_member(archive.get(), member);
+  written = zipClose(archive.release(), nullptr) == ZIP_OK && written;
+  if (!written) return failure(std::error_code(errno, std::generic_category()));
   if (const std::error_code reason = unfinished.finish(durability)) return failure(reason);
   return {};
 }
@@ -150,9 +158,16 @@ Result<NamedRecords> read_npz(const std::string& file, NpzCheck check) {
   std::error_code failure;
   std::uint64_t room = most_npz_bytes(std::filesystem::file_size(file, failure));
   Assembly assembly;
-  const zip_int64_t count = zip_get_num_entries(archive.get(), 0);
-  for (zip_int64_t i = 0; i < count; ++i) {
-    const auto member = read_member(archive.get(), static_cast<zip_uint64_t>(i), file, room);
+  unz_global_info64 info{};
+  unzGetGlobalInfo64(archive.get(), &info);
+  if (info.number_entry > to_index(kMostNpzMembers)) {
+    return zip_failure(file, "has more than " + std::to_string(kMostNpzMembers) + " members");
+  }
+  for (std::uint64_t i = 0; i < info.number_entry; ++i) {
+    if (i > 0 && unzGoToNextFile(archive.get()) != UNZ_OK) {
+      return zip_failure(file, "is damaged in its list of members");
+    }
+    const auto member = read_member(archive.get(), file, room);
     if (!member) return member.error();
     if (auto added = assembly.add(*member, file); !added) return added.error();
   }
