@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "process/child.hpp"
 
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
@@ -86,15 +87,15 @@ void lower_limit(__rlimit_resource which, rlim_t most) {
 }
 
 /// Memory and files of third-party code in a copy. The sizes are far beyond what a library needs,
-/// and keep the machine usable. Sanitizers and devices reserve addresses without end, but not
-/// writable private memory; what sanitizers map for themselves is both.
+/// and keep the machine usable. Devices reserve addresses without end, but not writable private
+/// memory. The runtimes of sanitizers do, also where they are preloaded for a library alone.
 void bound_resources() {
   constexpr rlim_t kLargestFile_bytes = rlim_t{16} << 30U;
   lower_limit(RLIMIT_FSIZE, kLargestFile_bytes);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+  for (const char* runtime : {"__asan_init", "__tsan_init"})
+    if (dlsym(RTLD_DEFAULT, runtime) != nullptr) return;
   const auto pages = static_cast<rlim_t>(std::max(sysconf(_SC_PHYS_PAGES), 0L));
   if (pages > 0) lower_limit(RLIMIT_DATA, pages / 4 * 3 * to_index(sysconf(_SC_PAGESIZE)));
-#endif
 }
 
 /// Never returns to the caller of fork(), which goes on in the other process.

@@ -137,6 +137,12 @@ void print_end(const RunSummary& summary, bool drops, std::FILE* words) {
              drops ? fmt::format(", {} dropped", summary.dropped) : "", summary.failed,
              summary.warnings.empty() ? "" : fmt::format(", {} warned", summary.warnings.size()),
              summary.stopped ? ", stopped early" : "", summary.folder);
+  if (summary.late_in.empty()) return;
+  std::string stages;
+  for (const auto& [stage, frames] : summary.late_in) {
+    stages += fmt::format("{}{} in {}", stages.empty() ? "" : ", ", frames, stage);
+  }
+  fmt::print(words, "frames over budget_ms, by the stage in which it passed: {}\n", stages);
 }
 
 }  // namespace

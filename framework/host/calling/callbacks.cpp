@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Functions of the host that a component may call during a call.
 #include <unistd.h>
+#include <weft/budget.h>
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <weft/core/quote.hpp>
 #include <weft/core/version.hpp>
 
@@ -214,11 +216,11 @@ struct Callbacks {
                      {}},
                     error);
     }
-    NestedAnswer& answer = scope.nested.emplace_front(
-        NestedAnswer{scope.context.enter(
-                         *target, asked->method, {asked->inputs, asked->input_count},
-                         {asked->frame, asked->draw, scope.turn.run_frame, scope.turn.depth + 1}),
-                     PooledVector<weft_record>(scope.context.memory_)});
+    NestedAnswer& answer = scope.nested.emplace_front(NestedAnswer{
+        scope.context.enter(*target, asked->method, {asked->inputs, asked->input_count},
+                            {asked->frame, asked->draw, scope.turn.run_frame, scope.turn.depth + 1,
+                             scope.turn.deadline}),
+        PooledVector<weft_record>(scope.context.memory_)});
     const Outcome& outcome = answer.outcome;
     answer.views.reserve(outcome.outputs.size());
     for (const auto& [slot, record] : outcome.outputs) {
@@ -235,13 +237,24 @@ struct Callbacks {
   } catch (...) {
     return report({Errc::plugin_failure, "the host is out of memory", {}}, error);
   }
+
+  static double left_ms(const weft_call* call) {
+    const SteadyTime deadline = scope_of(call).turn.deadline;
+    if (deadline == kNoDeadline) return std::numeric_limits<double>::infinity();
+    return std::chrono::duration<double, std::milli>(deadline - SteadyTime::clock::now()).count();
+  }
+
+  static const void* extension(const weft_host* /*host*/, void* /*context*/, const char* name) {
+    static constexpr weft_budget kBudget{sizeof(weft_budget), 0, &left_ms};
+    return name != nullptr && std::string_view(name) == WEFT_BUDGET ? &kBudget : nullptr;
+  }
 };
 
 const weft_host& host_table() {
   static constexpr weft_host kHost{
       sizeof(weft_host),  WEFT_ABI_MAJOR,    WEFT_ABI_MINOR,        kHostName,
       kVersion,           &Callbacks::alloc, &Callbacks::cancelled, &Callbacks::log,
-      &Callbacks::invoke, &Callbacks::adopt, &host_extension};
+      &Callbacks::invoke, &Callbacks::adopt, &Callbacks::extension};
   return kHost;
 }
 

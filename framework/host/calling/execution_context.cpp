@@ -71,8 +71,8 @@ Result<Instance*> ExecutionContext::instantiate(const ComponentSpec& spec, const
   weft_create with = made_from(values);
   with.host = &host_table();  // a component may keep it and use it in its calls
   const ProcessState before;
-  const std::int32_t status =
-      call_library(error, [&] { return made->table->create(&with, &self, &error); });
+  const std::int32_t status = call_library(
+      made->id.c_str(), error, [&] { return made->table->create(&with, &self, &error); });
   warn_of_changes(before, made->name, "while it was created");
   if (status != WEFT_OK) return plugin_error(status, error, made->id);
   if (self == nullptr) {
@@ -144,7 +144,7 @@ Result<void> ExecutionContext::prepare_here(Instance& instance,
   scope.inputs = inputs;
   weft_error error = kNoError;
   const ProcessState before;
-  const std::int32_t status = call_library(error, [&] {
+  const std::int32_t status = call_library(instance.id.c_str(), error, [&] {
     return instance.table->prepare(instance.self, &call, inputs.data(), inputs.size(), &error);
   });
   warn_of_changes(before, instance.name, "while it was prepared");
@@ -153,12 +153,12 @@ Result<void> ExecutionContext::prepare_here(Instance& instance,
 }
 
 Outcome ExecutionContext::call(Instance& instance, int method, std::span<const weft_record> inputs,
-                               std::uint64_t frame, std::uint64_t draw) {
+                               std::uint64_t frame, std::uint64_t draw, SteadyTime deadline) {
   const std::vector<RoleMethod>& methods = instance.rules.role.methods;
   const auto index = to_index(method);
   static const std::string kNone;
   announce(instance.name, instance.id, index < methods.size() ? methods[index].name : kNone, frame);
-  return enter(instance, method, inputs, {frame, draw, frame, 0});
+  return enter(instance, method, inputs, {frame, draw, frame, 0, deadline});
 }
 
 Outcome ExecutionContext::evaluate(const Record& warp, const Points& points, std::uint64_t frame) {
@@ -227,6 +227,14 @@ void ExecutionContext::warn_of_changes(const ProcessState& before, const std::st
                                        const char* when) const {
   const std::string changes = before.restore(when);
   if (!changes.empty()) warn(stage, changes);
+  tell_of_ended_copy(kOfflineFrame);
+}
+
+void ExecutionContext::tell_of_ended_copy(std::uint64_t run_frame) const {
+  const std::string maker = maker_of_ended_copy();
+  if (maker.empty() || !log_) return;
+  log_(maker, kWarning,
+       "made a copy of the process with fork() and returned in it; the copy was ended", run_frame);
 }
 
 void ExecutionContext::warn(const std::string& stage, const std::string& text) const {
@@ -242,10 +250,11 @@ std::int32_t ExecutionContext::call_here(Instance& instance, const weft_call& ca
   };
   std::optional<ProcessState> before;
   if (instance.is_watched) before.emplace();
-  const std::int32_t status = call_library(error, process, &kept_mode);
+  const std::int32_t status = call_library(instance.id.c_str(), error, process, &kept_mode);
   const std::string changes = before ? before->restore("in a call") : "";
   instance.is_watched = !changes.empty();
   if (instance.is_watched && log_) log_(instance.name, kWarning, changes, run_frame);
+  tell_of_ended_copy(run_frame);
   constexpr const char* kChanged = "left the floating-point mode changed; it was set back";
   if (!kept_mode && log_) log_(instance.name, kWarning, kChanged, run_frame);
   return status;
@@ -272,7 +281,7 @@ Outcome ExecutionContext::finish(Instance& instance, Scope& scope,
     if (valid) valid = check_values(record->view(slot.c_str()));
     if (!valid) return broken("returned an illegal output: " + valid.error().message);
     const bool was_called_here = instance.table != nullptr;
-    if (was_called_here && instance.rules.solves) judge_shape(*record, inputs);
+    if (was_called_here && instance.rules.solves) judge_shape(*record, inputs, instance.evidence);
     record->forget_replaced();
     if (record->frame() == WEFT_NO_FRAME) {
       record->set_frame(static_cast<std::int64_t>(scope.turn.frame));

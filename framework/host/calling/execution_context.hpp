@@ -16,6 +16,8 @@
 
 namespace weft::host {
 
+inline constexpr SteadyTime kNoDeadline = SteadyTime::max();
+
 class Instance;
 class ProcessState;
 class SharedInputs;
@@ -87,8 +89,9 @@ class ExecutionContext {
   void warn(const std::string& stage, const std::string& text) const;
 
   /// Calls a method of a component; outputs are validated. Never throws.
+  /// Components that ask are told how long it is until `deadline`.
   Outcome call(Instance& instance, int method, std::span<const weft_record> inputs,
-               std::uint64_t frame, std::uint64_t draw = 0);
+               std::uint64_t frame, std::uint64_t draw = 0, SteadyTime deadline = kNoDeadline);
 
   /// Validates and numbers a record that is new in this execution context, because components
   /// identify records by their revisions. Templates and cameras are numbered by their content,
@@ -124,6 +127,7 @@ class ExecutionContext {
   /// Restores the state of the process and warns of what a stage changed.
   void warn_of_changes(const ProcessState& before, const std::string& stage,
                        const char* when) const;
+  void tell_of_ended_copy(std::uint64_t run_frame) const;
   Result<WorkerContext> worker_context_of(const Instance& instance);
   Outcome enter(Instance& instance, int method, std::span<const weft_record> inputs,
                 const Turn& turn);

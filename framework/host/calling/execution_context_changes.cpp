@@ -49,10 +49,7 @@ std::string Instance::end() {
   if (self == nullptr) return {};
   weft_error error = kNoError;
   void* const ended = std::exchange(self, nullptr);
-  const std::int32_t status = call_library(error, [&] {
-    table->destroy(ended);
-    return WEFT_OK;
-  });
+  const std::int32_t status = call_library(id.c_str(), error, [&] { table->destroy(ended); });
   return status == WEFT_OK ? "" : plugin_error(status, error, id).message;
 }
 
@@ -81,7 +78,7 @@ Result<std::vector<ChangeRequest>> ExecutionContext::take_change_requests(const 
     static_cast<std::vector<ChangeRequest>*>(context)->push_back({number, text});
   };
   weft_error error = kNoError;
-  const auto status = call_library(error, [&] {
+  const auto status = call_library(sink.id.c_str(), error, [&] {
     return steering_of(sink)->take_change_requests(sink.self, &requests, note, &error);
   });
   if (status != WEFT_OK) return plugin_error(status, error, sink.id);
@@ -90,7 +87,7 @@ Result<std::vector<ChangeRequest>> ExecutionContext::take_change_requests(const 
 
 Result<void> ExecutionContext::answer(const Instance& sink, const ChangeAnswer& answer) {
   weft_error error = kNoError;
-  const auto status = call_library(error, [&] {
+  const auto status = call_library(sink.id.c_str(), error, [&] {
     return steering_of(sink)->answer(sink.self, answer.number, answer.frame, answer.refusal.c_str(),
                                      &error);
   });

@@ -4,6 +4,7 @@
 #include <forward_list>
 #include <mutex>
 #include <optional>
+#include <weft/geometry/evidence_count.hpp>
 
 #include "host/calling/execution_context.hpp"
 #include "host/roles/role_rules.hpp"
@@ -55,6 +56,7 @@ class Instance {
                                           ///< evaluate it
   bool running = false;
   bool is_let_finish = false;  ///< its calls are not cancelled
+  EvidenceMemory evidence;     ///< of shapes that it solves
   bool is_watched = true;  ///< its first call, and each after one that changed the process state
 };
 
@@ -70,6 +72,7 @@ struct ExecutionContext::Turn {
   std::uint64_t frame, draw;  ///< as in weft_invocation
   std::uint64_t run_frame;    ///< in which it is made: a nested call may be about another one
   int depth;                  ///< [] nesting depth; 0 for a stage
+  SteadyTime deadline = kNoDeadline;  ///< of the frame in which it is made
 };
 
 /// The resources that one running call owns.

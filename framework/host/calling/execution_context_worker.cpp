@@ -4,8 +4,6 @@
 
 namespace weft::host {
 
-using SteadyTime = std::chrono::steady_clock::time_point;  // processes share this clock
-
 Result<WorkerContext> ExecutionContext::worker_context_of(const Instance& instance) {
   if (arena_ == nullptr) {
     return Error{Errc::unsupported,
@@ -53,7 +51,8 @@ std::int32_t ExecutionContext::call_worker(Instance& instance, Scope& scope, int
     const auto known = instance.worker->learn(*producer->recreate);
     if (!known) return report(known.error(), error);
   }
-  auto answer = instance.worker->process(method, scope.turn.frame, scope.turn.draw, inputs);
+  auto answer = instance.worker->process(method, scope.turn.frame, scope.turn.draw, inputs,
+                                         scope.turn.deadline);
   if (!answer) return report(answer.error(), error);
   for (const PlacedTiming& timing : answer->timings) {
     times_.note({timing.component,

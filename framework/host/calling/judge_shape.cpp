@@ -24,7 +24,7 @@ void set_number(Record& record, const char* name, double value) {
 
 }  // namespace
 
-void judge_shape(Record& shape, std::span<const weft_record> inputs) {
+void judge_shape(Record& shape, std::span<const weft_record> inputs, EvidenceMemory& memory) {
   const auto solved = arrays_of<Shape>(shape);
   const auto templ = input<Template>(inputs, "template");
   const auto camera = input<Camera>(inputs, "camera");
@@ -32,7 +32,7 @@ void judge_shape(Record& shape, std::span<const weft_record> inputs) {
   if (solved->vertices_m.rows() != templ->vertices_m.rows()) return;  // check_lengths() refuses it
   const ShapeEvidence evidence = shape_evidence(*templ, *camera, solved->vertices_m,
                                                 input<Correspondences>(inputs, "correspondences"),
-                                                input<Sightlines>(inputs, "sightlines"));
+                                                input<Sightlines>(inputs, "sightlines"), &memory);
   if (solved->shape_state() == ShapeState::estimated) {
     const ShapeState state = state_of(evidence, solved->confidence);
     *static_cast<std::int32_t*>(find_array(shape.view(""), "state")->data) =

@@ -6,7 +6,6 @@
 namespace weft::host {
 namespace {
 
-using SteadyTime = std::chrono::steady_clock::time_point;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
 double ms_of(clockid_t clock) {

@@ -10,6 +10,8 @@
 
 namespace weft::host {
 
+using SteadyTime = std::chrono::steady_clock::time_point;  ///< the machine's: processes share it
+
 /// Time and memory of an action. CPU time counts all threads of the processes that worked for it.
 /// It exceeds wall-clock time if several threads ran at once, and is smaller if they waited for a
 /// disk, a device or a core.

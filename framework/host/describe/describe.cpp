@@ -188,7 +188,7 @@ std::string write_component(std::ostream& out, const weft_component& component, 
                            }};
   weft_error error{sizeof(weft_error), 0, {}, {}, {}};
   const auto describe = [&] { return component.describe(&sink, &error); };
-  const std::int32_t status = call_library(error, describe);
+  const std::int32_t status = call_library(component.id, error, describe);
   if (status != WEFT_OK) {
     error.message[sizeof(error.message) - 1] = '\0';
     if (error.code == WEFT_CODE_INVALID_VALUE) return error.message;

@@ -3,7 +3,9 @@
 
 #include <sys/mman.h>
 
+#include <array>
 #include <atomic>
+#include <cstdio>
 #include <new>
 
 namespace weft::host {
@@ -11,24 +13,60 @@ namespace {
 
 using ProcessId = std::atomic<pid_t>;
 
+/// What an ended copy leaves for the process that it was made of.
+struct EndedCopy {
+  std::atomic<pid_t> original{0};  ///< 0 where there is nothing to tell
+  std::array<char, 128> component{};
+};
+
+/// A page of memory of its own; null where there is none.
+template <class Content>
+Content* page_of(int sharing) {
+  void* const page =
+      mmap(nullptr, sizeof(Content), PROT_READ | PROT_WRITE, sharing | MAP_ANONYMOUS, -1, 0);
+  return page != MAP_FAILED ? new (page) Content{} : nullptr;
+}
+
 /// A number that the kernel sets to 0 in each copy of the process; null where it cannot.
 ProcessId* wiped_on_fork() {
-  void* const page =
-      mmap(nullptr, sizeof(ProcessId), PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  if (page == MAP_FAILED) return nullptr;
-  if (madvise(page, sizeof(ProcessId), MADV_WIPEONFORK) == 0) return new (page) ProcessId(0);
-  munmap(page, sizeof(ProcessId));
+  auto* const id = page_of<ProcessId>(MAP_PRIVATE);
+  if (id == nullptr || madvise(id, sizeof(ProcessId), MADV_WIPEONFORK) == 0) return id;
+  munmap(id, sizeof(ProcessId));
   return nullptr;
+}
+
+/// All copies of this process write here. One of them would be told of where two end at once.
+EndedCopy* ended_copy() {
+  static EndedCopy* const page = page_of<EndedCopy>(MAP_SHARED);
+  return page;
 }
 
 }  // namespace
 
 pid_t process_id() {
-  static ProcessId* const known = wiped_on_fork();
+  // Both pages lie there before the first copy is made.
+  static ProcessId* const known = (static_cast<void>(ended_copy()), wiped_on_fork());
   if (known == nullptr) return getpid();
   pid_t id = known->load(std::memory_order_relaxed);
   if (id == 0) known->store(id = getpid(), std::memory_order_relaxed);
   return id;
+}
+
+void OneProcess::end_copy(pid_t original, const char* component) {
+  if (EndedCopy* const ended = ended_copy(); ended != nullptr) {
+    std::snprintf(ended->component.data(), ended->component.size(), "%s", component);
+    ended->original.store(original, std::memory_order_release);
+  }
+  _exit(0);
+}
+
+std::string maker_of_ended_copy() {
+  EndedCopy* const ended = ended_copy();
+  if (ended == nullptr || ended->original.load(std::memory_order_acquire) != process_id())
+    return {};
+  std::string component = ended->component.data();
+  ended->original.store(0, std::memory_order_release);
+  return component;
 }
 
 Result<const void*> find_extension(const weft_component& component, const char* name,
@@ -36,10 +74,8 @@ Result<const void*> find_extension(const weft_component& component, const char* 
   if (component.get_extension == nullptr) return nullptr;
   const void* found = nullptr;
   weft_error error = kNoError;
-  const std::int32_t status = call_library(error, [&] {
-    found = component.get_extension(&component, name);
-    return WEFT_OK;
-  });
+  const std::int32_t status =
+      call_library(component.id, error, [&] { found = component.get_extension(&component, name); });
   const auto damaged = [&](const std::string& cause) {
     return Error{Errc::plugin_failure,
                  std::string("its extension ") + name + " " + cause + "; rebuild the plugin",

@@ -6,6 +6,8 @@
 #include <xmmintrin.h>
 
 #include <cstdint>
+#include <string>
+#include <type_traits>
 #include <weft/sdk/extensions.hpp>
 
 #include "host/guarding/first_sizes.hpp"
@@ -20,16 +22,23 @@ pid_t process_id();
 /// return. Two processes would go on from here, answer the same call and write the same files.
 class OneProcess {
  public:
-  OneProcess() = default;
+  explicit OneProcess(const char* component = "a library") : component_(component) {}
   ~OneProcess() {
-    if (process_id() != process_) _exit(0);
+    if (process_id() != process_) end_copy(process_, component_);
   }
   OneProcess(const OneProcess&) = delete;
   OneProcess& operator=(const OneProcess&) = delete;
 
  private:
+  [[noreturn]] static void end_copy(pid_t original, const char* component);
+
+  const char* component_;
   pid_t process_ = process_id();
 };
+
+/// The component whose copy of this process was ended, or an empty text: each is told once, and the
+/// last one where several ended since.
+std::string maker_of_ended_copy();
 
 /// How this thread rounds, with which precision, and whether it takes tiny numbers for zero, as it
 /// was when this object was made. A library that leaves it changed, as one built with -ffast-math
@@ -58,13 +67,22 @@ class FloatingPointMode {
   unsigned sse_ = of_sse();
 };
 
-/// The status of a function of a library. The library may break its contract: an exception becomes
-/// its error, and the floating-point mode is restored. `kept_mode` is false if that was necessary.
+/// The status of a function of the library of `component`; WEFT_OK for a function without one. The
+/// library may break its contract: an exception becomes its error, and the floating-point mode is
+/// restored. `kept_mode` is false if that was necessary.
 template <class Function>
-std::int32_t call_library(weft_error& error, Function&& function, bool* kept_mode = nullptr) {
-  const OneProcess one;
+std::int32_t call_library(const char* component, weft_error& error, Function&& function,
+                          bool* kept_mode = nullptr) {
+  const OneProcess one(component);
   const FloatingPointMode mode;
-  const std::int32_t status = detail::guarded(&error, function);
+  const std::int32_t status = detail::guarded(&error, [&]() -> std::int32_t {
+    if constexpr (std::is_void_v<decltype(function())>) {
+      function();
+      return WEFT_OK;
+    } else {
+      return function();
+    }
+  });
   const bool kept = mode.restore();
   if (kept_mode != nullptr) *kept_mode = kept;
   return status;

@@ -5,6 +5,7 @@
 #include <sched.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/time.h>
 #include <unistd.h>
 
@@ -20,6 +21,7 @@
 #include <filesystem>
 #include <fstream>
 #include <locale>
+#include <set>
 #include <string_view>
 
 namespace weft::host {
@@ -65,10 +67,14 @@ class Limits {
   std::array<rlimit, RLIM_NLIMITS> limits_{};
 };
 
-/// Interval timers, which end the process by a signal.
+/// Interval timers, which end the process by a signal, and the numbers of POSIX timers.
 class Timers {
  public:
   Timers() {
+    std::ifstream file("/proc/self/timers");
+    for (std::string line; std::getline(file, line);) {
+      if (line.starts_with("ID:")) posix_.insert(std::atoi(line.c_str() + 3));
+    }
     for (std::size_t i = 0; i < timers_.size(); ++i) {
       getitimer(static_cast<__itimer_which>(i), &timers_.at(i));
     }
@@ -81,6 +87,7 @@ class Timers {
       text += (is_armed ? "armed, " : "off, ") + std::to_string(timer.it_interval.tv_sec) + "." +
               std::to_string(timer.it_interval.tv_usec) + " s\n";
     }
+    for (const int id : posix_) text += "timer " + std::to_string(id) + "\n";
     return text;
   }
   bool restore() const {
@@ -88,11 +95,16 @@ class Timers {
     for (std::size_t i = 0; i < timers_.size(); ++i) {
       whole = setitimer(static_cast<__itimer_which>(i), &timers_.at(i), nullptr) == 0 && whole;
     }
+    for (const int id : Timers().posix_) {
+      // By the kernel's number, which the C library's timer_t is not.
+      if (!posix_.contains(id)) whole = syscall(SYS_timer_delete, id) == 0 && whole;
+    }
     return whole;
   }
 
  private:
   std::array<itimerval, 3> timers_{};
+  std::set<int> posix_{};
 };
 
 /// Actions of all signals, and which this thread blocks.

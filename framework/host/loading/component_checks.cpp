@@ -67,7 +67,9 @@ std::vector<ComponentChecks::Mistake> ComponentChecks::mistakes_of(const Compone
   void* self = nullptr;
   weft_error error = kNoError;
   const weft_create with = made_from(values);
-  std::int32_t status = call_library(error, [&] { return (*table)->create(&with, &self, &error); });
+  const ProcessState before;
+  std::int32_t status =
+      call_library(id.c_str(), error, [&] { return (*table)->create(&with, &self, &error); });
   if (status != WEFT_OK) return failed(plugin_error(status, error, id));
   if (self == nullptr) {
     return failed({Errc::plugin_failure, "created nothing and gave no reason", id});
@@ -78,12 +80,13 @@ std::vector<ComponentChecks::Mistake> ComponentChecks::mistakes_of(const Compone
     static_cast<std::vector<Mistake>*>(context)->push_back(
         {text(parameter), escaped(text(message))});
   };
-  status = call_library(error, [&] { return extension->check(self, &mistakes, note, &error); });
+  status = call_library(id.c_str(), error,
+                        [&] { return extension->check(self, &mistakes, note, &error); });
   weft_error at_end = kNoError;
-  const std::int32_t ended = call_library(at_end, [&] {
-    (*table)->destroy(self);
-    return WEFT_OK;
-  });
+  const std::int32_t ended = call_library(id.c_str(), at_end, [&] { (*table)->destroy(self); });
+  if (const std::string changes = before.restore("in its check"); !changes.empty()) {
+    mistakes.push_back({"", Mistakes::kWarning + changes});
+  }
   if (ended != WEFT_OK) mistakes.push_back(failed(plugin_error(ended, at_end, id)).front());
   if (status != WEFT_OK) mistakes.push_back(failed(plugin_error(status, error, id)).front());
   return mistakes;

@@ -72,7 +72,7 @@ Result<std::string> devices_here(const std::string& library, const std::string& 
     if (text != nullptr) *static_cast<std::string*>(context) += std::string(text) + '\0';
   };
   const std::int32_t status =
-      call_library(error, [&] { return (*extension)->list(&devices, add, &error); });
+      call_library(id.c_str(), error, [&] { return (*extension)->list(&devices, add, &error); });
   if (status == WEFT_OK) return devices;
   return Error{Errc::plugin_failure, plugin_error(status, error, id).message, id};
 }

@@ -37,20 +37,15 @@ DeviceArray::DeviceArray(std::string maker, const weft_array& array,
       pool_(std::move(pool)) {
   array_.name = name_.c_str();
   weft_error error = kNoError;
-  const std::int32_t status = call_library(error, [&] {
-    library_.retain(array_.handle);
-    return WEFT_OK;
-  });
+  const std::int32_t status =
+      call_library(maker_.c_str(), error, [&] { library_.retain(array_.handle); });
   if (status != WEFT_OK) throw std::runtime_error(maker_ + ": retain() " + error.message);
 }
 
 /// An exception of release() ends here: no call is left that could report it.
 DeviceArray::~DeviceArray() {
   weft_error error = kNoError;
-  call_library(error, [&] {
-    library_.release(array_.handle);
-    return WEFT_OK;
-  });
+  call_library(maker_.c_str(), error, [&] { library_.release(array_.handle); });
 }
 
 Result<DeviceArray::Copy> DeviceArray::copy(const weft_call* call) {
@@ -70,8 +65,9 @@ Result<DeviceArray::Copy> DeviceArray::copy(const weft_call* call) {
       arena_ != nullptr ? arena_->allocate(bytes) : own_memory(bytes, pool_);
   if (memory == nullptr) return failed("cannot be copied: memory is short");
   weft_error error = kNoError;
-  const std::int32_t status = call_library(
-      error, [&] { return library_.download(call, array_.handle, memory.get(), bytes, &error); });
+  const std::int32_t status = call_library(maker_.c_str(), error, [&] {
+    return library_.download(call, array_.handle, memory.get(), bytes, &error);
+  });
   if (status != WEFT_OK) {
     return failed("cannot be copied: " + plugin_error(status, error, maker_).message,
                   status == WEFT_CANCELLED ? Errc::cancelled : Errc::plugin_failure);

@@ -111,7 +111,8 @@ class Server {
     for (const std::uint64_t offset : call.returned) unreturned_.erase(offset);
     std::deque<std::vector<weft_array>> arrays;
     const Outcome outcome = context_.call(*instances_.at(call.handle), call.method,
-                                          views(call.inputs, arrays), call.frame, call.draw);
+                                          views(call.inputs, arrays), call.frame, call.draw,
+                                          SteadyTime(std::chrono::nanoseconds(call.deadline_ns)));
     ReplyMessage reply = reply_of(outcome.error, outcome.status);
     Timings timings = context_.times().take();
     if (!timings.empty()) timings.pop_back();  // the call itself, which the host measures

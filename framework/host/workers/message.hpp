@@ -77,13 +77,14 @@ struct CallMessage {
   std::uint64_t handle = 0, frame = 0, draw = 0;  ///< as in weft_invocation
   std::int32_t method = 0;                        ///< [] number of the method in its role
   std::vector<PlacedRecord> inputs;               ///< [.] input records
-  std::vector<std::uint64_t> returned;  ///< offsets of output arrays that the host has done with
+  std::vector<std::uint64_t> returned;   ///< offsets of output arrays that the host has done with
+  std::int64_t deadline_ns = INT64_MAX;  ///< [ns] of the steady clock: see ExecutionContext::call
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
     visit(self.handle), visit(self.frame), visit(self.draw), visit(self.method);
     visit(self.inputs);
-    visit(self.returned);
+    visit(self.returned), visit(self.deadline_ns);
   }
 };
 

@@ -146,14 +146,20 @@ void Worker::begin_with(int method, std::uint64_t frame) {
 }
 
 Result<Worker::Answer> Worker::process(int method, std::uint64_t frame, std::uint64_t draw,
-                                       std::span<const weft_record> inputs) {
+                                       std::span<const weft_record> inputs,
+                                       std::chrono::steady_clock::time_point deadline) {
   if (auto up = ready(); !up) return up.error();
   bound_output(frame);
   std::vector<std::shared_ptr<void>> keep;
   auto placed = session_->place(inputs, keep);
   if (!placed) return placed.error();
-  const CallMessage call{component_.handle,   frame, draw, method, *std::move(placed),
-                         session_->returned()};
+  const CallMessage call{component_.handle,
+                         frame,
+                         draw,
+                         method,
+                         *std::move(placed),
+                         session_->returned(),
+                         std::chrono::nanoseconds(deadline.time_since_epoch()).count()};
   const auto reply = session_->converse(MessageKind::process, pack(call), isolation_.deadline);
   if (!reply) {
     note_death(reply.error());

@@ -47,8 +47,10 @@ class Worker {
   void begin_with(int method, std::uint64_t frame);
 
   /// Calls a method. Fails when the process did; what the component answers is an Answer.
+  /// `deadline` as in ExecutionContext::call.
   Result<Answer> process(int method, std::uint64_t frame, std::uint64_t draw,
-                         std::span<const weft_record> inputs);
+                         std::span<const weft_record> inputs,
+                         std::chrono::steady_clock::time_point deadline);
 
  private:
   using Made = Result<std::unique_ptr<WorkerSession>>;

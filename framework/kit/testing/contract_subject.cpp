@@ -223,12 +223,13 @@ Result<host::Instance*> Performer::made(const Subject& subject) {
     void* again = nullptr;
     weft_error error = kNoError;
     const auto& values = subject.spec().arguments.values();
-    const std::int32_t status = host::call_library(error, [&] {
+    const std::int32_t status = host::call_library(instance.id.c_str(), error, [&] {
       return how_.passage->create(component, host::made_from(values), &again, &error);
     });
     if (status != WEFT_OK) return host::plugin_error(status, error, instance.id);
     std::swap(instance.self, again);
-    host::call_library(error, [&] { return how_.passage->destroy(component, again), WEFT_OK; });
+    host::call_library(instance.id.c_str(), error,
+                       [&] { how_.passage->destroy(component, again); });
   }
   weft_component table = component;
   table.prepare = &Passed::prepare;

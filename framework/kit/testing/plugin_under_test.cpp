@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+#include <optional>
 #include <stdexcept>
 #include <weft/testing/plugin_under_test.hpp>
 
@@ -24,6 +26,7 @@ struct PluginUnderTest::Host {
   std::optional<host::ComponentSpec> spec;
   host::Instance* instance = nullptr;
   std::vector<HostRecord> kept;
+  std::optional<double> budget_ms;
 };
 
 PluginUnderTest::PluginUnderTest(const std::string& id, const std::string& params,
@@ -51,6 +54,8 @@ void PluginUnderTest::watch(std::function<bool()> cancelled) {
   host_->context.cancellation().watch(std::move(cancelled));
 }
 
+void PluginUnderTest::set_budget_ms(double budget_ms) { host_->budget_ms = budget_ms; }
+
 void PluginUnderTest::forget() {
   host_->kept.clear();
   host_->context.times().take();
@@ -64,7 +69,13 @@ PluginAnswer PluginUnderTest::process(int method, const std::vector<Input>& inpu
                                       std::uint64_t frame) {
   std::vector<weft_record> views;
   for (const Input& given : inputs) views.push_back(given.record->view(given.slot.c_str()));
-  return host_->keep(host_->context.call(*host_->instance, method, views, frame));
+  host::SteadyTime deadline = host::kNoDeadline;
+  if (host_->budget_ms) {
+    const std::chrono::duration<double, std::milli> left(*host_->budget_ms);
+    deadline = host::SteadyTime::clock::now() +
+               std::chrono::duration_cast<host::SteadyTime::duration>(left);
+  }
+  return host_->keep(host_->context.call(*host_->instance, method, views, frame, 0, deadline));
 }
 
 PluginAnswer PluginUnderTest::evaluate(const Warp& warp, const Points& points) {

@@ -64,6 +64,7 @@ struct PipelineConfig {
   int max_failed = 0;               ///< failed frames that still count as success
   int frames_at_once = 0;           ///< most frames in the stages; 0: see frames_at_once_of()
   int threads = 0;                  ///< that work for a run; 0: one a processor core
+  int budget_ms = 0;                ///< [ms] wall-clock time of a frame in the stages; 0: no bound
   bool is_sequence = true;          ///< else frames are unordered: none has one before it
   bool latest_only = false;         ///< `realtime: latest`: frames that come meanwhile are dropped
   bool in_program = false;          ///< see PipelineDocument: there is neither source nor sink

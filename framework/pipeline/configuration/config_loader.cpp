@@ -79,6 +79,7 @@ class Loader {
   void read_options(const yaml::Node& root) {
     std::int64_t seed = 0, lost_after = config_.lost_after, max_failed = config_.max_failed;
     std::int64_t frames_at_once = config_.frames_at_once, threads = config_.threads;
+    std::int64_t budget_ms = config_.budget_ms;
     const auto read = [&](const char* name, std::int64_t& target) {
       read_integer(root, yaml::key_of(pipeline_keys(), name), target);
     };
@@ -87,11 +88,13 @@ class Loader {
     read("max_failed", max_failed);
     read("frames_at_once", frames_at_once);
     read("threads", threads);
+    read("budget_ms", budget_ms);
     config_.seed = static_cast<std::uint64_t>(seed);
     config_.lost_after = static_cast<int>(lost_after);
     config_.max_failed = static_cast<int>(max_failed);
     config_.frames_at_once = static_cast<int>(frames_at_once);
     config_.threads = static_cast<int>(threads);
+    config_.budget_ms = static_cast<int>(budget_ms);
     config_.stop_on_error = is_chosen(root, "on_error", "stop");
     config_.latest_only = is_chosen(root, "realtime", "latest");
     config_.is_sequence = read_flag(root, "sequence", config_.is_sequence);

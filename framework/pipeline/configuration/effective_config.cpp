@@ -83,6 +83,9 @@ std::string effective_yaml(const PipelineConfig& config, Secrets secrets) {
         {"threads", config.threads, untouched.threads}}) {
     if (value != usual) add(key, yaml::plain_node(std::to_string(value)));
   }
+  if (config.budget_ms != untouched.budget_ms) {
+    add("budget_ms", yaml::plain_node(std::to_string(config.budget_ms)));
+  }
   if (config.latest_only) add("realtime", yaml::plain_node("latest"));
   if (!config.is_sequence) add("sequence", yaml::plain_node("false"));
   add("source", effective_stage(*config.source, secrets));

@@ -72,6 +72,9 @@ const KeyTable& pipeline_keys() {
           .otherwise(std::to_string(kDefaults.frames_at_once))
           .whole("threads", 0, 256, "that work for the run; 0: as many as processor cores")
           .otherwise(std::to_string(kDefaults.threads))
+          .whole("budget_ms", 0, 600'000,
+                 "time of a frame in the stages, which some then keep by doing less; 0: no bound")
+          .otherwise(std::to_string(kDefaults.budget_ms))
           .choice("realtime", {"all", "latest"}, "all frames, or the latest that is there")
           .otherwise("all")
           .flag("sequence",

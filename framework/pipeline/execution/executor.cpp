@@ -133,6 +133,9 @@ FrameResult Executor::begin(const FrameInput& input) {
   result.index = input.index;
   result.place = begun_++;
   result.dropped_before = input.dropped_before;
+  if (config_.budget_ms > 0) {
+    result.deadline = host::SteadyTime::clock::now() + std::chrono::milliseconds(config_.budget_ms);
+  }
   result.values.resize(graph_.values.size());
   result.causes.resize(graph_.values.size());
   place_given(input, result);
@@ -292,7 +295,12 @@ StageReport Executor::execute(Stage& stage, FrameResult& result) {
   const host::Stopwatch watch = context_.times().stopwatch();
   Outcome outcome = context_.cancellation().is_requested()
                         ? Outcome{WEFT_CANCELLED, {Errc::cancelled, "was not begun", {}}, {}}
-                        : context_.call(*stage.made.instance, kRunStage, inputs, result.index);
+                        : context_.call(*stage.made.instance, kRunStage, inputs, result.index, 0,
+                                        result.deadline);
+  if (result.late_in.empty() && result.deadline != host::kNoDeadline &&
+      host::SteadyTime::clock::now() > result.deadline) {
+    result.late_in = stage.name;
+  }
   if (stage.is_kept) keep_call(stage, outcome, result);
   if (outcome.usable()) {
     if (auto stored = store(stage, outcome, result); !stored) {

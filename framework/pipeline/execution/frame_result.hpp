@@ -80,7 +80,9 @@ struct FrameResult {
   host::Timings timings;         ///< timings of nested components too
   std::vector<StageCall> calls;  ///< calls of the stages in Executor::keep_calls_of
   NamedNumbers setup;            ///< estimates of the run's set-up
-  std::string reason;            ///< why the shape is weak, or less certain than its solver reports
+  host::SteadyTime deadline = host::kNoDeadline;  ///< see PipelineConfig::budget_ms
+  host::SharedText late_in;  ///< the stage in which the deadline passed; empty if none did
+  std::string reason;        ///< why the shape is weak, or less certain than its solver reports
   std::vector<std::string> warnings;  ///< warnings about the set-up, found out by now
   std::vector<std::string> changes;   ///< settings that hold from this frame on
 

@@ -69,6 +69,7 @@ std::string frame_json(const FrameResult& frame, std::optional<std::size_t> reco
   add_certainty(frame.shape, line);
   if (!frame.reason.empty()) line["reason"] = frame.reason;
   line["failed"] = frame.failed();
+  if (!frame.late_in.empty()) line["late_in"] = frame.late_in.str();
   if (records) line["records"] = *records;
   line["stages"] = std::move(stages);
   for (const auto& [name, value] : frame.setup) line["setup"][name] = rounded(value, 1e4);

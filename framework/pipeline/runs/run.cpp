@@ -239,6 +239,7 @@ class Run {
     ++summary_.frames;
     summary_.dropped += static_cast<std::int64_t>(result.dropped_before);
     summary_.failed += result.failed() ? 1 : 0;
+    if (!result.late_in.empty()) ++summary_.late_in[result.late_in.str()];
     observer_.frame_done(result);
   }
 

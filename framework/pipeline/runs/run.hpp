@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -39,7 +40,9 @@ struct RunSummary {
   std::int64_t dropped = 0;  ///< frames of the source between those, with `realtime: latest`
   bool stopped = false;      ///< by on_error: stop, or cancelled
   bool cancelled = false;    ///< without a frame, also when it was not yet open: no folder is left
-  std::vector<RunWarning> warnings;  ///< the first 100 of each text, and how many more
+  std::map<std::string, std::int64_t> late_in;  ///< frames over budget_ms by the stage in which
+                                                ///< that time passed
+  std::vector<RunWarning> warnings;             ///< the first 100 of each text, and how many more
   /// Evidence of all frames together about the camera, see SetupMonitor::camera().
   std::vector<std::pair<std::string, double>> camera;
 };

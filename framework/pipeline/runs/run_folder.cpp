@@ -72,9 +72,10 @@ ordered_json provenance(const PipelineConfig& config) {
       add_components(stage.component, stage.name, components);
     }
   }
-  ordered_json facts{{"weft", kVersion},        {"git", host::source_revision()},
-                     {"pipeline", config.file}, {"sources", source_names(config.sources)},
-                     {"seed", config.seed},     {"reproducible", !config.latest_only}};
+  ordered_json facts{
+      {"weft", kVersion},        {"git", host::source_revision()},
+      {"pipeline", config.file}, {"sources", source_names(config.sources)},
+      {"seed", config.seed},     {"reproducible", !config.latest_only && config.budget_ms == 0}};
   if (config.latest_only) facts["realtime"] = "latest";
   if (!config.is_sequence) facts["sequence"] = false;
   facts["end"] = kEndFile;
@@ -277,6 +278,7 @@ Result<void> RunFolder::end(const RunSummary& summary, bool drops) const {
   ordered_json end{
       {"frames", summary.frames}, {"failed", summary.failed}, {"stopped", summary.stopped}};
   if (drops) end["dropped"] = summary.dropped;
+  if (!summary.late_in.empty()) end["late_in"] = summary.late_in;
   for (const auto& [name, value] : summary.camera) end["camera"][name] = rounded(value, 1e4);
   if (const auto code = sync_file_system(path_)) return not_on_disk(path_, code);
   return write_whole(dump(end) + "\n", path_ + "/" + kEndFile);

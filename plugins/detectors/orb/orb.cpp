@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <opencv2/core/ocl.hpp>
 #include <opencv2/features2d.hpp>
 #include <vector>
 #include <weft/core/index.hpp>
@@ -47,6 +48,8 @@ class Orb final : public Detector {
   Result<Keypoints> detect(const DetectorInput& in) override {
     if (auto valid = detectors::check(in); !valid) return valid.error();
     if (in.call.cancelled()) return Error{Errc::cancelled, "cancelled"};
+    // Otherwise OpenCV loads the runtime of a device, which sets signal handlers and variables.
+    cv::ocl::setUseOpenCL(false);
     const cv::Mat grey = detectors::grey_image(in.image.pixels, grey_);
     std::vector<cv::KeyPoint> selected;
     cv::Mat descriptors(0, kDescriptorBytes, CV_8U);

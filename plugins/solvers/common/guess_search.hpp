@@ -32,7 +32,7 @@ class GuessTrial {
 
   /// True if the candidates so far leave a doubt that the next guess may resolve. `tracked`: the
   /// object has a valid previous shape and has not jumped.
-  virtual bool needs(Guess next, bool tracked) const = 0;
+  virtual bool needs(Guess next, bool tracked) = 0;
 
   /// Input of the nested solver, from the input of the frame.
   virtual SolverInput question(const SolverInput& in) const = 0;

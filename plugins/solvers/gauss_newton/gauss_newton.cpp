@@ -115,10 +115,12 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
     if (auto read = frame_.read(in, mesh_); !read) return read.error();
     tried_ = 0;
     best_ = -1;
+    search_.options.budget = &budget_.emplace(in.call);
+    starts_cut_ = false;
     if (frame_.is_outline_alone) return solve_by_outline(in);
     const auto run = guesses_.run(in, mesh_.smoother, mesh_.at_rest(), *this);
     if (!run) return run.error();
-    if (best_ >= 0 && frame_.data.observations.size() < kFewObservations) {
+    if (best_ >= 0 && frame_.data.observations.size() < kFewObservations && is_in_time()) {
       run_from(Guess::mirrored, solvers::bend_mirrored(candidates_[to_index(best_)].vertices_m));
     }
     if (best_ < 0) {
@@ -147,7 +149,18 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
     return {};
   }
 
-  bool needs(Guess next, bool tracked) const override {
+  bool needs(Guess next, bool tracked) override {
+    return is_in_doubt(next, tracked) && is_in_time();
+  }
+
+  /// Whether to try one more start. A frame without a shape so far takes the time that it needs.
+  bool is_in_time() {
+    const bool is_cut = best_ >= 0 && budget_->is_spent();
+    starts_cut_ = starts_cut_ || is_cut;
+    return !is_cut;
+  }
+
+  bool is_in_doubt(Guess next, bool tracked) const {
     if (next == Guess::mirrored) {
       if (previous_only_ && best_ >= 0) return false;
       return !tracked || candidates_.front().doubtful();
@@ -263,6 +276,8 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
       if (shape.covariance_m2.present()) add_camera_noise(in.camera, best, shape);
       if (rival.shape != nullptr && shape.covariance_m2.present()) add_rival(best, rival, shape);
     }
+    // Another start might have led to another shape.
+    if (starts_cut_) shape.state = static_cast<std::int32_t>(ShapeState::weak);
     explain(best, shape.diag);
     shape.diag.set("rival", rival.probability);
     if (frame_.data.outline.present()) explain_outline(best, shape.diag);
@@ -361,6 +376,7 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
     diag.set("strain", best.fit.strain);
     diag.set("start", static_cast<double>(best.guess));
     diag.set("starts_tried", static_cast<double>(tried_));
+    diag.set("starts_cut", starts_cut_ ? 1.0 : 0.0);
     diag.set("inconsistent_known_points", frame_.inconsistent_pairs);
   }
 
@@ -378,6 +394,8 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
   std::array<Candidate, 6> candidates_;
   std::size_t tried_ = 0;
   int best_ = -1;
+  std::optional<Budget> budget_;
+  bool starts_cut_ = false;  ///< by the budget of the frame
 };
 
 }  // namespace

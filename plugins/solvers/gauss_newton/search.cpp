@@ -67,7 +67,8 @@ void ShapeSearch::run(const Frame& frame, Candidate& candidate) {
   Scales stage = scales;
   stage.trust = {kHuber, false};
   candidate.approach_iterations = 0;
-  const MinimiserOptions approach{kApproachIterations, kApproachTolerance * options.tolerance_m};
+  const MinimiserOptions approach{kApproachIterations, kApproachTolerance * options.tolerance_m,
+                                  options.budget};
   const auto settle = [&](const Scales& with) {
     candidate.approach_iterations +=
         minimiser_.run(frame.data, expected_, with, approach, vertices_m).iterations;

@@ -126,7 +126,7 @@ class ParticleSft final : public Solver, private solvers::GuessTrial {
 
   /// Without `multi_start` the only guess is the previous shape, or the nested solver's result if
   /// there is none.
-  bool needs(Guess next, bool tracked) const override {
+  bool needs(Guess next, bool tracked) override {
     if (next != Guess::mirrored || !multi_start_) return false;
     return !tracked || candidates_.back().doubtful();
   }

@@ -4,8 +4,9 @@
 #include <sched.h>
 #include <sys/resource.h>
 #include <sys/time.h>
+#include <sys/wait.h>
 #include <unistd.h>
-#include <weft/abi.h>
+#include <weft/budget.h>
 
 #include <array>
 #include <clocale>
@@ -34,6 +35,8 @@ constexpr const char* kActs[] = {"none",
                                  "throws_in_destroy",
                                  "logs_escapes",
                                  "logs_without_end",
+                                 "forks",
+                                 "asks_for_its_time",
                                  "limit",
                                  "timer",
                                  "handler",
@@ -166,6 +169,16 @@ std::int32_t process(void* self, const weft_call* call, const weft_record* input
   const Bare& bare = *static_cast<Bare*>(self);
   const std::int64_t n = count_matches(inputs, count);
   if (bare.act == "throws_without_text") throw Textless();
+  if (bare.act == "asks_for_its_time") {
+    const void* budget = call->host->get_extension(call->host, call->context, WEFT_BUDGET);
+    const double left_ms = static_cast<const weft_budget*>(budget)->left_ms(call);
+    call->host->log(call, 1, std::to_string(left_ms).c_str());
+  }
+  if (bare.act == "forks") {
+    const pid_t copy = fork();
+    if (copy == 0) return WEFT_OK;
+    waitpid(copy, nullptr, 0);
+  }
   if (bare.act == "invokes_first") return invoke(call, 1, inputs, count, error);
   if (bare.act == "invokes_its_input") {
     for (std::uint64_t i = 0; i < count; ++i) {

@@ -5,6 +5,10 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <cmath>
+#include <limits>
+
 #include "../misbehaving.hpp"
 #include "host/guarding/process_state.hpp"
 
@@ -28,14 +32,15 @@ class Boundary : public ::testing::Test {
     return **made;
   }
 
-  Outcome filter(host::Instance& filter, std::uint64_t producer = 0) {
+  Outcome filter(host::Instance& filter, std::uint64_t producer = 0,
+                 host::SteadyTime deadline = host::kNoDeadline) {
     const Correspondences matches = make_matches(5);
     const RecordView<Correspondences> view("correspondences", matches);
     weft_record warp = view.raw();
     warp.slot = "warp";
     warp.producer = producer;
     const weft_record inputs[] = {view.raw(), warp};
-    return context_->call(filter, 0, inputs, 9);
+    return context_->call(filter, 0, inputs, 9, 0, deadline);
   }
 
   Outcome filter(const std::string& what) { return filter(make("filters/test_bare", act(what))); }
@@ -138,6 +143,30 @@ TEST_F(Boundary, AFloodOfTextsInOneCallIsCutShort) {
   ASSERT_EQ(filter("logs_without_end").status, WEFT_OK);
   ASSERT_EQ(log_.size(), 101U);
   EXPECT_EQ(log_.back().second, "further messages are dropped");
+}
+
+TEST_F(Boundary, AComponentIsToldHowLongItIsUntilTheDeadlineOfItsFrame) {
+  constexpr std::chrono::hours kHour{1};
+  const auto left_ms = [&](host::SteadyTime deadline) {
+    log_.clear();
+    filter(make("filters/test_bare", act("asks_for_its_time")), 0, deadline);
+    return log_.empty() ? std::nan("") : std::stod(log_[0].second);
+  };
+  const double hour_ms = 3.6e6;
+  EXPECT_EQ(left_ms(host::kNoDeadline), std::numeric_limits<double>::infinity());
+  const double later_ms = left_ms(host::SteadyTime::clock::now() + kHour);
+  EXPECT_GT(later_ms, 0.5 * hour_ms);
+  EXPECT_LE(later_ms, hour_ms);
+  EXPECT_LE(left_ms(host::SteadyTime::clock::now() - kHour), -hour_ms);
+}
+
+TEST_F(Boundary, ACopyOfTheProcessThatReturnsIsEndedAndItsMakerIsNamed) {
+  ASSERT_EQ(filter("forks").status, WEFT_OK);
+  ASSERT_EQ(log_.size(), 1U);
+  EXPECT_EQ(log_[0].first, "filters/test_bare");
+  EXPECT_THAT(log_[0].second, HasSubstr("made a copy of the process with fork()"));
+  ASSERT_EQ(filter("none").status, WEFT_OK);
+  EXPECT_EQ(log_.size(), 1U) << "told once";
 }
 
 TEST_F(Boundary, WhatACreatedComponentChangedInTheProcessIsRestoredAndNamed) {

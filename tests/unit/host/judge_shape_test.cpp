@@ -46,7 +46,8 @@ class JudgeShape : public ::testing::Test {
     const RecordView<Camera> camera("camera", camera_);
     const RecordView<Correspondences> matches("correspondences", matches_);
     const weft_record inputs[] = {templ.raw(), camera.raw(), matches.raw()};
-    judge_shape(*record_, inputs);
+    EvidenceMemory memory;
+    judge_shape(*record_, inputs, memory);
     return view_as<Shape>(*record_)->shape_state();
   }
 

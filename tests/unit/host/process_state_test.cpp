@@ -12,6 +12,7 @@
 #include <clocale>
 #include <csignal>
 #include <cstdlib>
+#include <ctime>
 #include <exception>
 #include <locale>
 
@@ -54,6 +55,13 @@ struct Comma : std::numpunct<char> {
   char do_decimal_point() const override { return ','; }
 };
 
+void make_a_posix_timer() {
+  timer_t timer{};
+  sigevent event{};
+  event.sigev_notify = SIGEV_NONE;
+  timer_create(CLOCK_MONOTONIC, &event, &timer);
+}
+
 /// A change of a process, and the part of its state that it changes.
 struct Disturbance {
   const char *name, *part;
@@ -63,6 +71,7 @@ struct Disturbance {
 const Disturbance kDisturbances[] = {
     {"Limit", "resource limits", allow_few_files},
     {"Timer", "timers", start_a_timer},
+    {"PosixTimer", "timers", make_a_posix_timer},
     {"Handler", "signals", [] { std::signal(SIGUSR2, SIG_IGN); }},
     {"Mask", "signals", block_a_signal},
     {"Affinity", "CPU affinity", run_on_one_processor},

@@ -318,11 +318,31 @@ TEST_F(Runs, WriteAllFramesThatWereThroughWhenTheyAreCancelled) {
   ASSERT_TRUE(summary) << summary.error().message;
   EXPECT_TRUE(summary->stopped);
   EXPECT_GE(summary->frames, 2);
-  EXPECT_LE(summary->frames, 4) << "one is with the writer, one on its way";
+  EXPECT_LE(summary->frames, 2 + 2 * frames_at_once_of(pipeline.config))
+      << "as many wait for the writer as are on their way";
   const auto lines = timeless(path("run"));
   ASSERT_EQ(lines.size(), static_cast<std::size_t>(summary->frames));
   for (std::size_t i = 0; i < lines.size(); ++i) EXPECT_EQ(lines[i]["frame"], i);
   EXPECT_EQ(read_lines(path("run/lines.txt")).size(), lines.size());
+}
+
+TEST_F(Runs, CountFramesOverTheirBudgetByTheStageInWhichItPassed) {
+  const std::string slow = chain({{"filters", "{sleep_ms: 20}"}, {"sources", "{frames: 3}"}});
+  for (const auto& [options, late] :
+       {std::pair{"budget_ms: 2\n", 3}, {"budget_ms: 600000\n", 0}, {"", 0}}) {
+    SCOPED_TRACE(options);
+    Ran ran;
+    const std::atomic<bool> cancel{false};
+    const auto [pipeline, report] = check(options + slow);
+    ASSERT_TRUE(report.ok()) << report.text();
+    const auto summary = run_pipeline(pipeline, path("run"), ran, cancel);
+    ASSERT_TRUE(summary) << summary.error().message;
+    std::int64_t counted = 0;
+    for (const auto& [stage, frames] : summary->late_in) counted += frames;
+    EXPECT_EQ(counted, late);
+    for (const auto& frame : timeless(path("run"))) EXPECT_EQ(frame.contains("late_in"), late > 0);
+    fs::remove_all(path("run"));
+  }
 }
 
 /// A run that is interrupted while the source reads, whatever the source makes of that.

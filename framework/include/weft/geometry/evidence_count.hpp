@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 #include <weft/core/index.hpp>
 #include <weft/data/camera.hpp>
@@ -25,8 +26,15 @@ struct ShapeEvidence {
   int kept = 0;           ///< [] matches kept by filters; sightlines if no matches are connected
   int agreeing = 0;       ///< [] kept measurements within 3 px of the shape
   double coverage = 0.0;  ///< [] 0 to 1, share of the visible surface near agreeing measurements
-  int needed =
-      0;  ///< [] required agreeing count: 30 matches, 8 sightlines; 0 if neither is connected
+  int needed = 0;         ///< [] agreeing ones: 30 matches, 8 sightlines; 0 if neither is connected
+};
+
+/// Memory of a count. A later count that gets it allocates nothing.
+struct EvidenceMemory {
+  std::vector<std::array<double, 2>> pixels;  ///< [V]
+  std::vector<SurfaceCells::Cell> cells;
+  std::vector<std::uint8_t> is_front_face;    ///< [F] only where faces turn away
+  std::vector<std::uint8_t> is_front_vertex;  ///< [V] only where faces turn away
 };
 
 /// Gathers the evidence for one shape. Coverage is counted in square texture cells, twelve along
@@ -47,10 +55,20 @@ class EvidenceCount {
  public:
   /// `vertices_m` [V,3] m, camera frame, are the template's vertices. All arguments must outlive
   /// the object.
-  EvidenceCount(const Template& templ, const Camera& camera, const Vertices& vertices_m)
-      : cells_(templ), faces_(templ.faces), camera_(camera), vertices_m_(vertices_m) {
+  EvidenceCount(const Template& templ, const Camera& camera, const Vertices& vertices_m,
+                EvidenceMemory memory = {})
+      : memory_(std::move(memory)),
+        cells_(templ, memory_.cells),
+        faces_(templ.faces),
+        camera_(camera),
+        vertices_m_(vertices_m) {
     mark_seen();
   }
+  EvidenceCount(const EvidenceCount&) = delete;
+  EvidenceCount& operator=(const EvidenceCount&) = delete;
+
+  /// Ends the count.
+  EvidenceMemory take_memory() { return std::move(memory_); }
 
   ShapeEvidence of(const Correspondences& matches) {
     evidence_.needed = kNeededMatches;
@@ -72,7 +90,7 @@ class EvidenceCount {
       const Place2 seen_px = row<2>(lines.pixel_px, i);
       if (lines.vertex(i) >= 0) {
         const std::int32_t vertex = lines.vertex(i);
-        if (cells_.are_at_rest() && !is_front_vertex_[to_index(vertex)]) continue;
+        if (cells_.are_at_rest() && !memory_.is_front_vertex[to_index(vertex)]) continue;
         add_place(row<3>(vertices_m_, vertex), cells_.place_of(vertex), seen_px);
       } else {
         add(lines.face(i), row<3>(lines.barycentrics, i), seen_px);
@@ -114,13 +132,14 @@ class EvidenceCount {
 
   /// Front faces are counter-clockwise in the camera image; v points down.
   void mark_seen() {
-    std::vector<Place2> pixels(to_index(vertices_m_.rows()));
+    std::vector<Place2>& pixels = memory_.pixels;
+    pixels.resize(to_index(vertices_m_.rows()));
     for (std::size_t v = 0; v < pixels.size(); ++v) {
       pixels[v] = pixel_of(row<3>(vertices_m_, static_cast<std::int64_t>(v)));
     }
     if (cells_.are_at_rest()) {
-      is_front_face_.assign(to_index(faces_.rows()), 0);
-      is_front_vertex_.assign(pixels.size(), 0);
+      memory_.is_front_face.assign(to_index(faces_.rows()), 0);
+      memory_.is_front_vertex.assign(pixels.size(), 0);
     }
     for (std::int64_t f = 0; f < faces_.rows(); ++f) {
       const std::array corners{faces_(f, 0), faces_(f, 1), faces_(f, 2)};
@@ -133,8 +152,8 @@ class EvidenceCount {
         return a[axis] + (b[axis] - a[axis] + (c[axis] - a[axis])) / 3.0;
       };
       if (cells_.are_at_rest() && front) {
-        is_front_face_[to_index(f)] = 1;
-        for (const std::int32_t v : corners) is_front_vertex_[to_index(v)] = 1;
+        memory_.is_front_face[to_index(f)] = 1;
+        for (const std::int32_t v : corners) memory_.is_front_vertex[to_index(v)] = 1;
       }
       if (front && camera_.shows(centre(0), centre(1))) mark_face(corners);
     }
@@ -152,7 +171,7 @@ class EvidenceCount {
   }
 
   void add(std::int32_t face, const Place3& weights, const Place2& seen_px) {
-    if (face < 0 || (cells_.are_at_rest() && !is_front_face_[to_index(face)])) return;
+    if (face < 0 || (cells_.are_at_rest() && !memory_.is_front_face[to_index(face)])) return;
     const std::int32_t a = faces_(face, 0), b = faces_(face, 1), c = faces_(face, 2);
     add_place(mean(row<3>(vertices_m_, a), row<3>(vertices_m_, b), row<3>(vertices_m_, c), weights),
               mean(cells_.place_of(a), cells_.place_of(b), cells_.place_of(c), weights), seen_px);
@@ -170,12 +189,11 @@ class EvidenceCount {
     return evidence_;
   }
 
-  SurfaceCells cells_;
+  EvidenceMemory memory_;
+  SurfaceCells cells_;  ///< in memory_
   const Array<std::int32_t>& faces_;
   const Camera& camera_;
   const Vertices& vertices_m_;
-  std::vector<std::uint8_t> is_front_face_;    ///< [F] only where faces turn away
-  std::vector<std::uint8_t> is_front_vertex_;  ///< [V] only where faces turn away
   ShapeEvidence evidence_;
 };
 

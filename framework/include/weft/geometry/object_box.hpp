@@ -103,10 +103,13 @@ class SurfaceCells {
  public:
   /// A place in px of the texture, with 0 as the third number, or in m at rest.
   using Place = std::array<double, 3>;
+  enum Cell : std::uint8_t { kNothing = 0, kSeen = 1, kShown = 2 };
 
-  /// The template must outlive the object.
-  explicit SurfaceCells(const Template& templ)
-      : at_rest_(detail::turns_away(templ)), places_(at_rest_ ? templ.vertices_m : templ.flat_px) {
+  /// The template and `cells`, whose former contents do not matter, must outlive the object.
+  SurfaceCells(const Template& templ, std::vector<Cell>& cells)
+      : at_rest_(detail::turns_away(templ)),
+        places_(at_rest_ ? templ.vertices_m : templ.flat_px),
+        cells_(cells) {
     constexpr double kCellsAlongDiagonal = 12.0;
     Place high{};
     for (std::int64_t v = 0; v < places_.rows(); ++v) {
@@ -144,8 +147,6 @@ class SurfaceCells {
   }
 
  private:
-  enum Cell : std::uint8_t { kNothing = 0, kSeen = 1, kShown = 2 };
-
   std::int64_t along(double from_start) const {
     return static_cast<std::int64_t>(from_start / cell_);
   }
@@ -164,7 +165,7 @@ class SurfaceCells {
   Place low_{};
   double cell_ = 1.0;  ///< [px] or [m]
   std::int64_t columns_ = 1, rows_ = 1;
-  std::vector<Cell> cells_;
+  std::vector<Cell>& cells_;
 };
 
 }  // namespace weft

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <weft/data/shape.hpp>
 #include <weft/geometry/evidence_count.hpp>
 
@@ -53,15 +54,23 @@ inline std::string why_weak(const ShapeEvidence& evidence, double confidence) {
   return "weak: confidence 0." + hundredths.substr(1) + " is below 0.5";
 }
 
-/// Uses the matches if they are connected, else the sightlines.
+/// Uses the matches if they are connected, else the sightlines. `memory` is used again, if given.
 template <class Vertices>
 ShapeEvidence shape_evidence(const Template& templ, const Camera& camera,
                              const Vertices& vertices_m,
                              const std::optional<Correspondences>& matches,
-                             const std::optional<Sightlines>& sightlines) {
-  EvidenceCount count(templ, camera, vertices_m);
-  if (matches) return count.of(*matches);
-  return sightlines ? count.of(*sightlines) : ShapeEvidence{};
+                             const std::optional<Sightlines>& sightlines,
+                             EvidenceMemory* memory = nullptr) {
+  EvidenceCount count(templ, camera, vertices_m,
+                      memory != nullptr ? std::move(*memory) : EvidenceMemory{});
+  ShapeEvidence evidence;
+  if (matches) {
+    evidence = count.of(*matches);
+  } else if (sightlines) {
+    evidence = count.of(*sightlines);
+  }
+  if (memory != nullptr) *memory = count.take_memory();
+  return evidence;
 }
 
 /// The filters' confidence, or 1. A filter may detect a more likely place of the object, such as a

@@ -6,18 +6,20 @@
 #include <weft/core/index.hpp>
 #include <weft/core/result.hpp>
 #include <weft/geometry/types.hpp>
+#include <weft/sdk/budget.hpp>
 
 #include "common/cholesky/block_cholesky.hpp"
 
 namespace weft::solvers {
 
 struct MinimiserOptions {
-  int max_iterations = 30;    ///< []
-  double tolerance_m = 1e-6;  ///< [] m, rms step at which to stop
+  int max_iterations = 30;         ///< []
+  double tolerance_m = 1e-6;       ///< [] m, rms step at which to stop
+  const Budget* budget = nullptr;  ///< ends the iteration, behind the first; null: nothing does
 };
 
 /// Why the iteration ended.
-enum class Stop { converged = 0, stalled = 1, iterations = 2, not_finite = 3 };
+enum class Stop { converged = 0, stalled = 1, iterations = 2, not_finite = 3, budget = 4 };
 
 struct MinimiserResult {
   Stop stop = Stop::iterations;
@@ -60,6 +62,10 @@ class DampedNewton {
         }
       }
       if (result.stop == Stop::converged || result.iterations >= options.max_iterations) {
+        return result;
+      }
+      if (result.iterations > 0 && options.budget != nullptr && options.budget->is_spent()) {
+        result.stop = Stop::budget;
         return result;
       }
       ++result.iterations;

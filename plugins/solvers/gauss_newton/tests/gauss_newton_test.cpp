@@ -12,6 +12,7 @@
 #include <weft/data/visibility.hpp>
 
 #include "common/tests/degenerate_matches.hpp"
+#include "minimiser.hpp"
 #include "scene.hpp"
 
 namespace weft::solvers {
@@ -290,6 +291,24 @@ TEST(GaussNewton, TriesNoOtherStartThanThePreviousShapeWhereItGoesOn) {
   };
   EXPECT_EQ(starts_tried("{previous_only: true}"), 1.0);
   EXPECT_GT(starts_tried("{}"), 1.0);
+}
+
+TEST(GaussNewton, IsWeakWhereASpentBudgetLeavesOutAnotherStart) {
+  const Matched matched({0.25, {0.6, 0, 0, 0, 0, 0}}, {300, 1.0, 0.0}, kSeed);
+  const Shape jumped = shape_of(Scene::bent(0.3, {0.6, 0.15, 0, 0, 0, 0}).truth_m);
+  PluginUnderTest plugin(kId);
+  const Shape unbounded = given(matched.run(plugin, &jumped));
+  plugin.set_budget_ms(-1.0);
+  const Shape cut = given(matched.run(plugin, &jumped));
+  EXPECT_EQ(cut.diag.value("starts_tried", 0.0), 1.0);
+  EXPECT_EQ(cut.diag.value("starts_cut", 0.0), 1.0);
+  EXPECT_EQ(cut.diag.value("stop", 0.0), static_cast<double>(Stop::budget));
+  EXPECT_EQ(cut.diag.value("iterations", 0.0), 1.0);
+  EXPECT_EQ(cut.shape_state(), ShapeState::weak);
+  plugin.set_budget_ms(1e9);
+  const Shape in_time = given(matched.run(plugin, &jumped));
+  EXPECT_EQ(in_time.diag.value("starts_cut", 1.0), 0.0);
+  EXPECT_EQ(in_time.vertices_m.matrix<3>(), unbounded.vertices_m.matrix<3>());
 }
 
 TEST(GaussNewton, LeavesAPreviousShapeThatIsFoldedOrBehindTheCamera) {
