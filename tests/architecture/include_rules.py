@@ -189,7 +189,7 @@ def scope_of(path: str) -> str:
         return "free"
     if path.startswith(TESTING):
         return "testing"
-    if path == "framework/include/weft/abi.h":
+    if path in ("framework/include/weft/abi.h", "framework/include/weft/budget.h"):
         return "abi"
     if path.startswith("framework/cli/"):
         return "cli"

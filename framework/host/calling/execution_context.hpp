@@ -89,7 +89,7 @@ class ExecutionContext {
   void warn(const std::string& stage, const std::string& text) const;
 
   /// Calls a method of a component; outputs are validated. Never throws.
-  /// Components that ask are told how long it is until `deadline`.
+  /// Components can query the time until `deadline`, see weft/budget.h.
   Outcome call(Instance& instance, int method, std::span<const weft_record> inputs,
                std::uint64_t frame, std::uint64_t draw = 0, SteadyTime deadline = kNoDeadline);
 

@@ -56,7 +56,7 @@ class Instance {
                                           ///< evaluate it
   bool running = false;
   bool is_let_finish = false;  ///< its calls are not cancelled
-  EvidenceMemory evidence;     ///< of shapes that it solves
+  EvidenceMemory evidence;     ///< memory for the evidence of its shapes
   bool is_watched = true;  ///< its first call, and each after one that changed the process state
 };
 
@@ -72,7 +72,7 @@ struct ExecutionContext::Turn {
   std::uint64_t frame, draw;  ///< as in weft_invocation
   std::uint64_t run_frame;    ///< in which it is made: a nested call may be about another one
   int depth;                  ///< [] nesting depth; 0 for a stage
-  SteadyTime deadline = kNoDeadline;  ///< of the frame in which it is made
+  SteadyTime deadline = kNoDeadline;  ///< deadline of its frame
 };
 
 /// The resources that one running call owns.

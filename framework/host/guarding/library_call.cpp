@@ -13,13 +13,13 @@ namespace {
 
 using ProcessId = std::atomic<pid_t>;
 
-/// What an ended copy leaves for the process that it was made of.
+/// The message of an ended copy to the original process.
 struct EndedCopy {
-  std::atomic<pid_t> original{0};  ///< 0 where there is nothing to tell
+  std::atomic<pid_t> original{0};  ///< 0: no message
   std::array<char, 128> component{};
 };
 
-/// A page of memory of its own; null where there is none.
+/// A separate page of memory; null if the kernel has none.
 template <class Content>
 Content* page_of(int sharing) {
   void* const page =
@@ -35,7 +35,7 @@ ProcessId* wiped_on_fork() {
   return nullptr;
 }
 
-/// All copies of this process write here. One of them would be told of where two end at once.
+/// All copies of this process write here. If two end at once, one of them is reported.
 EndedCopy* ended_copy() {
   static EndedCopy* const page = page_of<EndedCopy>(MAP_SHARED);
   return page;

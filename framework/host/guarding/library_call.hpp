@@ -36,8 +36,8 @@ class OneProcess {
   pid_t process_ = process_id();
 };
 
-/// The component whose copy of this process was ended, or an empty text: each is told once, and the
-/// last one where several ended since.
+/// The component whose copy of this process was ended, or an empty text. Each is returned once;
+/// of several that ended since the last call, only the last one.
 std::string maker_of_ended_copy();
 
 /// How this thread rounds, with which precision, and whether it takes tiny numbers for zero, as it

@@ -96,7 +96,7 @@ class Timers {
       whole = setitimer(static_cast<__itimer_which>(i), &timers_.at(i), nullptr) == 0 && whole;
     }
     for (const int id : Timers().posix_) {
-      // By the kernel's number, which the C library's timer_t is not.
+      // The kernel has another number than the timer_t of the C library.
       if (!posix_.contains(id)) whole = syscall(SYS_timer_delete, id) == 0 && whole;
     }
     return whole;

@@ -106,7 +106,7 @@ struct Assembly {
   }
 };
 
-/// Stored, not compressed: what is measured is noise to a compressor.
+/// Stored, not compressed: compressors gain little on measured numbers.
 bool add_member(zipFile archive, const NpzMember& member) {
   constexpr uLong kUtf8Names = 1UL << 11U, kVersionMadeBy = 20;
   zip_fileinfo info{};

@@ -17,7 +17,7 @@ typedef struct weft_budget {
   uint32_t reserved;
   /* [call] The time in ms until the frame of this call should be ready: negative behind that time,
    * infinite without a bound. It reads the clock of the machine: a component that has less time
-   * does less, and its answer is then not repeatable. Any thread of the call may ask. */
+   * does less, and its answer is then not repeatable. Any thread of the call may call it. */
   double (*left_ms)(const weft_call* call);
 } weft_budget;
 
