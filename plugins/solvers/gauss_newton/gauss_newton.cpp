@@ -153,7 +153,8 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
     return is_in_doubt(next, tracked) && is_in_time();
   }
 
-  /// True if one more start may be tried. A frame without a shape so far takes the time that it needs.
+  /// True if one more start may be tried. A frame without a shape so far takes the time that it
+  /// needs.
   bool is_in_time() {
     const bool is_cut = best_ >= 0 && budget_->is_spent();
     starts_cut_ = starts_cut_ || is_cut;

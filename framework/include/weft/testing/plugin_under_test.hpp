@@ -77,8 +77,8 @@ class PluginUnderTest {
   /// true cancels. Null removes it.
   void watch(std::function<bool()> cancelled);
 
-  /// From now on, each call has this time until its frame should be ready, see weft::Budget; negative
-  /// where that is past. Without it there is no bound.
+  /// From now on, each call has this time until its frame should be ready, see weft::Budget;
+  /// negative where that is past. Without it there is no bound.
   void set_budget_ms(double budget_ms);
 
   /// Releases all answers so far, for tests of many frames.
