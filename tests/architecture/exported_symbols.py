@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Checks that each plugin exports `weft_library` alone and needs no library of the host, and that
-neither plugins nor programs read the clock of the day, which may jump.
+neither plugins nor the libraries of the program read the clock of the day, which may jump. The
+program itself contains libraries of others, which may.
 
-Usage: exported_symbols.py BUILD_PLUGIN_DIR [PROGRAM ...]
+Usage: exported_symbols.py BUILD_PLUGIN_DIR [ARCHIVE ...]
 
 Prints one line `file: rule` for each violation; exits 1 if there is one, 2 on wrong usage.
 """
@@ -33,8 +34,9 @@ def needed_libraries(library: Path) -> list[str]:
 
 
 def looks_at_the_day(file: Path) -> list[str]:
-    lines = output_of("nm", "-D", "--undefined-only", "--format=posix", str(file)).splitlines()
-    called = CLOCK_OF_THE_DAY & {line.split()[0].split("@")[0] for line in lines}
+    dynamic = [] if file.suffix == ".a" else ["-D"]
+    lines = output_of("nm", *dynamic, "--undefined-only", "--format=posix", str(file)).splitlines()
+    called = CLOCK_OF_THE_DAY & {line.split()[0].split("@")[0] for line in lines if line}
     return [f"calls {name}, and the clock of the day may jump; take a steady one"
             for name in sorted(called)]
 
@@ -57,11 +59,11 @@ def violations_of(library: Path) -> list[str]:
 def main(arguments: list[str]) -> int:
     libraries = sorted(Path(arguments[0]).glob("*.so")) if arguments else []
     if not libraries:
-        print("usage: exported_symbols.py FOLDER [PROGRAM ...]; the folder holds plugins (*.so)", file=sys.stderr)
+        print("usage: exported_symbols.py FOLDER [ARCHIVE ...]; the folder holds plugins (*.so)", file=sys.stderr)
         return 2
     violations = [f"{library}: {rule}" for library in libraries for rule in violations_of(library)]
-    violations += [f"{program}: {rule}" for program in map(Path, arguments[1:])
-                   for rule in looks_at_the_day(program)]
+    violations += [f"{archive}: {rule}" for archive in map(Path, arguments[1:])
+                   for rule in looks_at_the_day(archive)]
     for violation in violations:
         print(violation)
     print(f"{len(violations)} violations in {len(libraries)} plugins")

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <set>
@@ -32,6 +33,17 @@ Error zip_failure(const std::string& file, const std::string& what) {
   return {Errc::io, what, file};
 }
 
+/// True if the record at the end of an archive is whole. minizip reads a missing byte as 0.
+bool has_whole_end(const std::string& file, unzFile archive) {
+  constexpr std::streamoff kEndBytes = 22;  // before the comment
+  unz_global_info64 info{};
+  unzGetGlobalInfo64(archive, &info);
+  std::ifstream stream(file, std::ios::binary);
+  std::string signature(4, '\0');
+  stream.seekg(-kEndBytes - static_cast<std::streamoff>(info.size_comment), std::ios::end);
+  return stream.read(signature.data(), 4) && signature == "PK\5\6";
+}
+
 Result<Archive> open_archive(const std::string& file) {
   namespace fs = std::filesystem;
   std::error_code failure;
@@ -39,7 +51,9 @@ Result<Archive> open_archive(const std::string& file) {
   if (!fs::exists(status)) return zip_failure(file, "there is no such file");
   if (!fs::is_regular_file(status)) return zip_failure(file, "is no regular file");
   Archive archive(unzOpen64(file.c_str()));
-  if (!archive) return zip_failure(file, "cannot be read as an npz file");
+  if (!archive || !has_whole_end(file, archive.get())) {
+    return zip_failure(file, "cannot be read as an npz file");
+  }
   return archive;
 }
 

@@ -58,6 +58,7 @@ TEST(PairReport, ComparesTheErrorsOfTwoRunsFrameByFrame) {
   write_eight_frames(b, false, 1.0);
   std::string other = kPipeline;
   other.replace(other.find("damping: 1"), 10, "damping: 2");
+  other.replace(other.find("{use: sources"), 5, "{isolate: process, use:");
   a.write_text("pipeline.yaml", kPipeline);
   b.write_text("pipeline.yaml", other);
   const PairContent content = content_of(compare_runs(a.folder(), b.folder()));
@@ -67,7 +68,7 @@ TEST(PairReport, ComparesTheErrorsOfTwoRunsFrameByFrame) {
                        "interval 1 to 1 mm."));
   EXPECT_THAT(content.sentences, Contains("A reconstructed 7 of 8 frames, B 7 of 8."));
   EXPECT_THAT(column(table_of(content, "settings"), 0),
-              ElementsAre("stages.solvers.params.damping"));
+              ElementsAre("source.isolate", "stages.solvers.params.damping"));
   EXPECT_THAT(column(table_of(content, "stage_times"), 3), ElementsAre("1.00", "1.00"));
   ASSERT_THAT(content.figures, SizeIs(3));
   EXPECT_EQ(content.figures[1].name(), "errors-by-frame");

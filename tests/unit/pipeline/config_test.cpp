@@ -205,8 +205,9 @@ TEST_F(Config, KnowsTheKeysThatLayFilesOverOneAnother) {
               ElementsAre("4:1: a pipeline has no key 'extend'; did you mean 'extends'?"));
   EXPECT_THAT(lines(load(head() + "withuot: [sinks]\n").second),
               ElementsAre("4:1: a pipeline has no key 'withuot'; did you mean 'without'?"));
-  EXPECT_THAT(lines(load(head() + "zzz: 1\n").second),
-              ElementsAre(::testing::EndsWith("threads, realtime, sequence, extends, without")));
+  EXPECT_THAT(
+      lines(load(head() + "zzz: 1\n").second),
+      ElementsAre(::testing::EndsWith("threads, budget_ms, realtime, sequence, extends, without")));
 }
 
 TEST_F(Config, SaysWhyAFileCannotBeRead) {

@@ -60,7 +60,10 @@ TextTable settings_sheet(const std::string& a, const std::string& b) {
 
 bool have_same_source(const std::string& a, const std::string& b) {
   const auto source_of = [](Settings settings) {
-    std::erase_if(settings, [](const auto& each) { return !each.first.starts_with("source."); });
+    // How it is run, such as `isolate`, changes no frame.
+    std::erase_if(settings, [](const auto& each) {
+      return each.first != "source.use" && !each.first.starts_with("source.params.");
+    });
     return settings;
   };
   const Settings source = source_of(settings_in(a));

@@ -11,7 +11,8 @@ namespace weft::lab {
 /// are matched by their `as`, else by their `use`.
 TextTable settings_sheet(const std::string& a, const std::string& b);
 
-/// The settings of both sources are the same, so that equal frame numbers are equal frames.
+/// Both have the same source with the same parameters, so that equal frame numbers are equal
+/// frames.
 bool have_same_source(const std::string& a, const std::string& b);
 
 }  // namespace weft::lab
