@@ -40,6 +40,7 @@ FENCE = re.compile(r"^(\s*)```(\S*)")
 OVER = re.compile(r"<!-- over: (\S+) -->")
 EXCUSE = re.compile(r"<!-- (?:file: \S+, )?not checked: (\S.*) -->")
 COMPONENT = re.compile(r"^\s*(?:- )?(?:\w+: )?\{?use: \w+/")
+EXCERPT = re.compile(r" +(\d+ )?\| ")  # a line of the file, and the caret under it
 PLACE = re.compile(r"^(\S+?):(\d+):(\d+): ")
 
 CAMERA = "fx: 100\nfy: 100\ncx: 80\ncy: 60\nwidth: 160\nheight: 120\ndistortion: null\n"
@@ -190,7 +191,8 @@ def problems_of(command, files, folder):
                 for line in run([*command, *files], folder, subprocess.DEVNULL) if ": ok, " in line}
     for path, place in files.items():
         if path not in accepted:  # checked alone, so that messages about a base are its own
-            said = run([*command, path], folder, subprocess.STDOUT)
+            said = [line for line in run([*command, path], folder, subprocess.STDOUT)
+                    if not EXCERPT.match(line)]
             yield from at_their_places(said, place) if place else said
             yield from [] if said else [f"{path}: weft check says nothing"]
 
