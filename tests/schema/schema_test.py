@@ -42,7 +42,7 @@ UNSEEN = set("""
     unread_warp_at_the_end variable_not_closed variable_not_set when_names_nobody wrong_order
 """.split())
 UNSEEN_OF_PLANS = set("""
-    absent_data absent_pattern control_character_in_a_metric duplicate_key extends_a_pipeline
+    absent_data absent_pattern budget control_character_in_a_metric duplicate_key extends_a_pipeline
     extends_itself extends_nothing extends_without_unknown no_frames_to_compare realtime reference
     seeds_and_folders unknown_metric unknown_parameter
     unknown_plugin unknown_stage value_out_of_range variable_not_set wiring without_unknown_stage
@@ -64,7 +64,7 @@ PIPELINE = {
     "sinks": [{"use": "sinks/test.scripted", "as": "lines", "params": {"path": "a.txt"},
                "overwrite": True}],
     "seed": 0, "lost_after": 30, "on_error": "continue", "max_failed": 0, "frames_at_once": 0,
-    "threads": 0, "realtime": "all", "sequence": True,
+    "threads": 0, "budget_ms": 0, "realtime": "all", "sequence": True,
 }
 PLAN = {
     "weft": 1, "name": "plan", "pipeline": str(ROOT / "tests/ablation/plans/base.yaml"),
