@@ -181,8 +181,9 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
     std::optional<Points3> posed_m =
         mesh_.is_flat ? frontal_guess(frame_.data, mesh_)
                       : solvers::posed_at_rest(seen_points(), in.camera, mesh_.rest_m);
-    if (posed_m) guess_m = *std::move(posed_m);
-    return posed_m.has_value();
+    if (!posed_m) return false;
+    guess_m = *std::move(posed_m);
+    return true;
   }
 
   std::vector<solvers::SeenPoint> seen_points() const {

@@ -24,7 +24,8 @@ void add_axis(const IntervalChart& chart, const Scale& scale, const Domain& doma
   for (const double tick : scale.ticks()) {
     const double x = scale.at(tick);
     const bool is_zero = tick == 0.0 && domain.low < 0.0;
-    for (double row = top; row < bottom; row += kRowPx) {
+    for (std::size_t i = 0; i < chart.rows.size(); ++i) {
+      const double row = top + kRowPx * static_cast<double>(i);
       drawing.marks.push_back(LineMark{{{x, row + kNamePx + 4.0}, {x, row + kRowPx}},
                                        is_zero ? "rule-strong" : "rule"});
     }

@@ -53,14 +53,16 @@ std::vector<double> Scale::ticks() const {
   std::vector<double> ticks;
   if (!domain_.log) {
     const double step = round_up((domain_.high - domain_.low) / 4.5);
-    for (double i = std::ceil(domain_.low / step - 1e-9); i * step <= domain_.high; ++i) {
-      ticks.push_back(i * step + 0.0);
-    }
+    const double first = std::ceil(domain_.low / step - 1e-9);
+    const auto steps = static_cast<int>(std::floor(domain_.high / step - first));
+    for (int i = 0; i <= steps; ++i) ticks.push_back((first + i) * step + 0.0);
     return ticks;
   }
   const double decades = std::log10(domain_.high / domain_.low);
-  for (double power = std::pow(10.0, std::floor(std::log10(domain_.low))); power <= domain_.high;
-       power *= 10.0) {
+  const double lowest = std::floor(std::log10(domain_.low));
+  const auto powers = static_cast<int>(std::floor(std::log10(domain_.high) - lowest));
+  for (int i = 0; i <= powers; ++i) {
+    const double power = std::pow(10.0, lowest + i);
     for (const double step : {1.0, 2.0, 5.0}) {
       if (decades > 2.0 && step > 1.0) continue;
       if (step * power >= domain_.low && step * power <= domain_.high) {
