@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Checks that each plugin exports `weft_library` alone and needs no library of the host, and that
-neither plugins nor the libraries of the program read the clock of the day, which may jump. The
-program itself contains libraries of others, which may.
+neither plugins nor the objects of the program read the clock of the day, which may jump. The
+linked program contains libraries of others, which may.
 
-Usage: exported_symbols.py BUILD_PLUGIN_DIR [ARCHIVE ...]
+Usage: exported_symbols.py BUILD_PLUGIN_DIR [ARCHIVE_OR_OBJECT ...]
 
 Prints one line `file: rule` for each violation; exits 1 if there is one, 2 on wrong usage.
 """
@@ -34,7 +34,7 @@ def needed_libraries(library: Path) -> list[str]:
 
 
 def looks_at_the_day(file: Path) -> list[str]:
-    dynamic = [] if file.suffix == ".a" else ["-D"]
+    dynamic = [] if file.suffix in (".a", ".o") else ["-D"]
     lines = output_of("nm", *dynamic, "--undefined-only", "--format=posix", str(file)).splitlines()
     called = CLOCK_OF_THE_DAY & {line.split()[0].split("@")[0] for line in lines if line}
     return [f"calls {name}, and the clock of the day may jump; take a steady one"
@@ -59,11 +59,11 @@ def violations_of(library: Path) -> list[str]:
 def main(arguments: list[str]) -> int:
     libraries = sorted(Path(arguments[0]).glob("*.so")) if arguments else []
     if not libraries:
-        print("usage: exported_symbols.py FOLDER [ARCHIVE ...]; the folder holds plugins (*.so)", file=sys.stderr)
+        print("usage: exported_symbols.py FOLDER [ARCHIVE_OR_OBJECT ...]; the folder holds plugins (*.so)", file=sys.stderr)
         return 2
     violations = [f"{library}: {rule}" for library in libraries for rule in violations_of(library)]
-    violations += [f"{archive}: {rule}" for archive in map(Path, arguments[1:])
-                   for rule in looks_at_the_day(archive)]
+    violations += [f"{own}: {rule}" for own in map(Path, arguments[1:])
+                   for rule in looks_at_the_day(own)]
     for violation in violations:
         print(violation)
     print(f"{len(violations)} violations in {len(libraries)} plugins")
