@@ -41,7 +41,7 @@ void mark(const Box& box, Array<std::uint8_t>& mask) {
 /// The part of the image in which the surface can be, by its shape of the frame before.
 class NearShape final : public Pass {
  public:
-  static constexpr About kAbout{.reads = "previous.shape", .produces = "region"};
+  static constexpr About kAbout{.reads = "previous.shape correspondences", .produces = "region"};
 
   explicit NearShape(Params& p) {
     p.read("margin", margin_, "", {0.0, 10.0},
@@ -51,6 +51,9 @@ class NearShape final : public Pass {
            "minimum confidence of a previous shape that is used");
     p.read("longest_age", longest_age_, "frames", {1, 1000000},
            "age from which a previous shape is ignored");
+    p.read("parts", parts_, "", {1, 1000},
+           "number of strips of the template; each frame searches the next one; 1: the whole "
+           "surface");
   }
 
   Result<PassOutput> run(const PassInput& in) override {
@@ -66,14 +69,15 @@ class NearShape final : public Pass {
       return checked.error();
     }
     if (const std::string why = why_not_trusted(shape); !why.empty()) return whole(in, why);
+    if (parts_ > 1 && !has_matches(in)) return whole(in, "no match shows the surface");
     const Pinhole camera{in.camera.fx, in.camera.fy, in.camera.cx, in.camera.cy};
     const Points2 pixels = project_points(camera, shape->vertices_m.matrix<3>());
     if (!pixels.allFinite()) return whole(in, "the previous shape reaches behind the camera");
     PassOutput out;
-    out.region = around(pixels, faces, in.camera);
+    out.region = around(pixels, faces_of_part(in, faces), in.camera);
     const Array<std::uint8_t>& mask = out.region->mask;
     if (std::find(mask.data(), mask.data() + mask.size(), 1) == mask.data() + mask.size()) {
-      return whole(in, "the previous shape lies outside of the image");
+      return whole(in, "the previous shape, or the strip, lies outside of the image");
     }
     return out;
   }
@@ -102,7 +106,33 @@ class NearShape final : public Pass {
     return {std::move(mask)};
   }
 
-  Region around(const Points2& pixels, const FacesView& faces, const Camera& camera) const {
+  static bool has_matches(const PassInput& in) {
+    if (!in.correspondences) return false;
+    const Array<std::uint8_t>& kept = in.correspondences->kept;
+    return std::find(kept.data(), kept.data() + kept.size(), 1) != kept.data() + kept.size();
+  }
+
+  /// The faces [f,3] of the strip that is searched in this frame: across the longer side of the
+  /// template, by the centres of the faces.
+  Faces faces_of_part(const PassInput& in, const FacesView& faces) const {
+    const auto flat_px = in.templ.flat_px.matrix<2>();
+    const Eigen::RowVector2d least = flat_px.colwise().minCoeff();
+    const Eigen::RowVector2d size = flat_px.colwise().maxCoeff() - least;
+    const int axis = size[0] >= size[1] ? 0 : 1;
+    const auto part = static_cast<double>(in.call.frame() % static_cast<std::uint64_t>(parts_));
+    Faces of_part(faces.rows(), 3);
+    Eigen::Index count = 0;
+    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+      double centre = -least[axis];
+      for (Eigen::Index k = 0; k < 3; ++k) centre += flat_px(faces(f, k), axis) / 3.0;
+      const double strip = std::floor(centre / size[axis] * static_cast<double>(parts_));
+      if (strip == part) of_part.row(count++) = faces.row(f);
+    }
+    of_part.conservativeResize(count, 3);
+    return of_part;
+  }
+
+  Region around(const Points2& pixels, const Faces& faces, const Camera& camera) const {
     const Box all = box_around(pixels);
     const double grown_px =
         margin_ * std::max(all.right_px - all.left_px, all.bottom_px - all.top_px);
@@ -121,6 +151,7 @@ class NearShape final : public Pass {
   double margin_ = 0.15;
   double least_confidence_ = 0.5;
   std::int64_t longest_age_ = 1;
+  std::int64_t parts_ = 1;
 };
 
 }  // namespace

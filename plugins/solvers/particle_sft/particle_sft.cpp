@@ -8,6 +8,7 @@
 #include <vector>
 #include <weft/core/statistics.hpp>
 #include <weft/data/matrix.hpp>
+#include <weft/sdk/budget.hpp>
 #include <weft/sdk/solver.hpp>
 
 #include "candidate.hpp"
@@ -49,9 +50,10 @@ class ParticleSft final : public Solver, private solvers::GuessTrial {
            "damping after a previous shape that is within 3 % of the object's size in the image");
     p.read("stretch_stiffness", options_.stretch_stiffness, "", {0.0, 1.0},
            "share of an edge's length error that is corrected at once");
-    p.read("bend_stiffness", options_.bend_stiffness, "", {0.0, 1.0},
-           "share of the distance error of opposite vertices of adjacent faces that is corrected "
-           "at once");
+    p.prominent().read(
+        "bend_stiffness", options_.bend_stiffness, "", {0.0, 1.0},
+        "share of the distance error of opposite vertices of adjacent faces that is corrected "
+        "at once");
     p.read("solver_iterations", options_.solver_iterations, "", {1, 1000},
            "number of sweeps over the distance constraints per iteration");
     p.read("max_iterations", options_.max_iterations, "", {1, 10000000},
@@ -83,6 +85,8 @@ class ParticleSft final : public Solver, private solvers::GuessTrial {
     if (auto read = frame_.read(in, mesh_, frame_options_); !read) return read.error();
     in_ = &in;
     candidates_.clear();
+    budget_.emplace(in.call);
+    starts_cut_ = false;
     const auto run = guesses_.run(in, mesh_.smoother(), mesh_.at_rest(), *this);
     if (!run) return run.error();
     const Candidate* best = nullptr;
@@ -128,7 +132,12 @@ class ParticleSft final : public Solver, private solvers::GuessTrial {
   /// there is none.
   bool needs(Guess next, bool tracked) override {
     if (next != Guess::mirrored || !multi_start_) return false;
-    return !tracked || candidates_.back().doubtful();
+    if (tracked && !candidates_.back().doubtful()) return false;
+    // A frame without a shape so far takes the time that it needs.
+    const bool has_shape = std::any_of(candidates_.begin(), candidates_.end(),
+                                       [](const Candidate& each) { return each.usable(); });
+    starts_cut_ = has_shape && budget_->is_spent();
+    return !starts_cut_;
   }
 
   SolverInput question(const SolverInput& in) const override {
@@ -205,6 +214,7 @@ class ParticleSft final : public Solver, private solvers::GuessTrial {
       if (!known) shape.covariance_m2 = {};
     }
     explain(best, shape.diag);
+    if (starts_cut_) shape.state = static_cast<std::int32_t>(ShapeState::weak);
     if (frame_.inconsistent_pairs > 0) {
       return degenerate(std::move(shape),
                         std::to_string(frame_.inconsistent_pairs) +
@@ -231,6 +241,7 @@ class ParticleSft final : public Solver, private solvers::GuessTrial {
     diag.set("start", static_cast<double>(best.guess));
     diag.set("starts_tried", static_cast<double>(candidates_.size()));
     diag.set("inconsistent_known_points", frame_.inconsistent_pairs);
+    diag.set("starts_cut", starts_cut_ ? 1.0 : 0.0);
     diag.set("torn_vertices", static_cast<double>(best.torn_vertices));
   }
 
@@ -253,6 +264,8 @@ class ParticleSft final : public Solver, private solvers::GuessTrial {
   ShapeCovariance covariance_;
   const SolverInput* in_ = nullptr;  ///< input of the frame being solved
   std::vector<Candidate> candidates_;
+  std::optional<Budget> budget_;  ///< budget of the frame
+  bool starts_cut_ = false;       ///< by the budget
 };
 
 }  // namespace

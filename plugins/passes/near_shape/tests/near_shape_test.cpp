@@ -42,11 +42,32 @@ class NearShape : public ::testing::Test {
   PluginAnswer answer(const weft::Shape& shape, const std::string& params = "{}") {
     return run({input("previous.shape", shape)}, params);
   }
-  PluginAnswer run(std::vector<weft::testing::Input> inputs, const std::string& params = "{}") {
+  PluginAnswer run(std::vector<weft::testing::Input> inputs, const std::string& params = "{}",
+                   std::uint64_t frame = 0) {
     inputs.push_back(input("template", templ_));
     inputs.push_back(input("camera", camera_));
     plugins_.push_back(std::make_unique<PluginUnderTest>("passes/near_shape", params));
-    return plugins_.back()->process(0, inputs);
+    return plugins_.back()->process(0, inputs, frame);
+  }
+
+  /// Matches that show the surface; with `kept` 0 a filter rejected them.
+  weft::testing::Input matches(std::uint8_t kept) const {
+    weft::Rng rng(1);
+    auto drawn = weft::testing::draw_matches(templ_, camera_, vertices_m_, {.count = 9}, rng);
+    std::fill_n(drawn.matches.kept.data(), drawn.matches.kept.size(), kept);
+    return input("correspondences", drawn.matches);
+  }
+
+  /// Number of pixels in which a region is not the box, ends included.
+  static int differences(const Region& region, const Eigen::AlignedBox2d& box) {
+    int wrong = 0;
+    for (std::int64_t y = 0; y < region.mask.dim(0); ++y) {
+      for (std::int64_t x = 0; x < region.mask.dim(1); ++x) {
+        const bool inside = box.contains(Eigen::Vector2d(double(x), double(y)));
+        wrong += (region.mask(y, x) != 0) == inside ? 0 : 1;
+      }
+    }
+    return wrong;
   }
 
   Region region(const std::string& params = "{}") {
@@ -89,15 +110,28 @@ TEST_F(NearShape, HoldsTheSurfaceAndItsMarginAndNothingElse) {
     box.extend(Eigen::Vector2d(box.min().array() - grown_px)).extend(most);
     ASSERT_EQ(near.mask.dim(0), camera_.height_px);
     ASSERT_EQ(near.mask.dim(1), camera_.width_px);
-    int wrong = 0;
-    for (std::int64_t y = 0; y < near.mask.dim(0); ++y) {
-      for (std::int64_t x = 0; x < near.mask.dim(1); ++x) {
-        const bool inside = box.contains(Eigen::Vector2d(double(x), double(y)));
-        wrong += (near.mask(y, x) != 0) == inside ? 0 : 1;
-      }
-    }
-    EXPECT_EQ(wrong, 0) << margin;
+    EXPECT_EQ(differences(near, box), 0) << margin;
   }
+}
+
+TEST_F(NearShape, IsOneStripOfTheSurfaceAFrameWhereMatchesShowIt) {
+  const Eigen::AlignedBox2d box = box_px();
+  for (std::uint64_t frame = 0; frame < 7; ++frame) {
+    const PluginAnswer out =
+        run({input("previous.shape", previous()), matches(1)}, "{margin: 0, parts: 3}", frame);
+    ASSERT_EQ(out.status, WEFT_OK) << out.message;
+    Eigen::AlignedBox2d strip = box;
+    const double width_px = box.sizes().x() / 3.0;
+    strip.min().x() += width_px * double(frame % 3);
+    strip.max().x() = strip.min().x() + width_px;
+    EXPECT_EQ(differences(*out.get<Region>(), strip), 0) << frame;
+  }
+}
+
+TEST_F(NearShape, IsTheWholeImageWhereStripsAreSearchedAndNoMatchShowsTheSurface) {
+  const std::string why = "no match shows the surface";
+  expect_whole(answer(previous(), "{parts: 3}"), why);
+  expect_whole(run({input("previous.shape", previous()), matches(0)}, "{parts: 3}"), why);
 }
 
 TEST_F(NearShape, LeavesOutTheCornersOfTheBoxOfATurnedSheet) {

@@ -153,6 +153,22 @@ TEST(ParticleSft, TriesAllStartsAfterAJump) {
   EXPECT_LT(scene.mean_error_m(shape), 0.002);
 }
 
+TEST(ParticleSft, IsWeakWhereASpentBudgetLeavesOutTheOtherStarts) {
+  const Scene scene = Scene::bent(0.25);
+  const Shape previous = shape_of(Scene::bent(0.3).truth_m, ShapeState::predicted);
+  PluginUnderTest plugin(kId);
+  const Shape unbounded = solved(scene.run(plugin, &previous));
+  plugin.set_budget_ms(-1.0);
+  const Shape cut = solved(scene.run(plugin, &previous));
+  EXPECT_EQ(cut.diag.value("starts_tried", 0.0), 1.0);
+  EXPECT_EQ(cut.diag.value("starts_cut", 0.0), 1.0);
+  EXPECT_EQ(cut.shape_state(), ShapeState::weak);
+  plugin.set_budget_ms(1e9);
+  const Shape in_time = solved(scene.run(plugin, &previous));
+  EXPECT_EQ(in_time.diag.value("starts_cut", 1.0), 0.0);
+  EXPECT_EQ(in_time.vertices_m.matrix<3>(), unbounded.vertices_m.matrix<3>());
+}
+
 TEST(ParticleSft, LeavesAWrongMinimumByTheConvexStart) {
   // Tracked, but folded: the right half lies mirrored on the left one.
   const Scene scene = Scene::bent(0.25);
