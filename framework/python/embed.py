@@ -78,7 +78,8 @@ class Table:
         first, last = integers_in(low, high)
         value = (f"{{{quoted(name)}, WEFT_VALUE_{TYPES[parameter.kind]}, {int(parameter.is_list)}, {count}, "
                  f"{data}, {{}}}}")
-        return (f"{{sizeof(weft_parameter), 0, {value}, {quoted(parameter.unit)}, "
+        flags = int(parameter.is_deprecated) + 2 * int(parameter.is_prominent)
+        return (f"{{sizeof(weft_parameter), {flags}, {value}, {quoted(parameter.unit)}, "
                 f"{quoted(parameter.meaning)}, {number(low)}, {number(high)}, "
                 f"{first}, {last}, {choices}, "
                 f"{len(parameter.choices)}, {quoted(parameter.role)}, {quoted(parameter.was)}, "

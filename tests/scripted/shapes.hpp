@@ -179,11 +179,13 @@ class HolderSolver final : public weft::Solver {
  public:
   explicit HolderSolver(weft::Params& p) {
     p.formerly("start").component("initial_guess", start_, "does the work");
+    p.deprecated().read("rounds", rounds_, "", {0, 10}, "no effect: choose another initial_guess");
   }
   weft::Result<weft::Shape> solve(const weft::SolverInput& in) override { return start_.solve(in); }
 
  private:
   weft::SolverComponent start_{"solvers/test.scripted"};
+  int rounds_ = 1;
 };
 
 /// The plane z = distance, where the warp puts the vertices.

@@ -80,6 +80,7 @@ void print_parameter(const host::ParameterSpec& parameter) {
   if (parameter.bounded) facts += fmt::format(", {} to {}", parameter.minimum, parameter.maximum);
   const bool is_path = parameter.type == WEFT_VALUE_INPUT_PATH;
   if (!parameter.choices.empty()) facts += (is_path ? ", or " : ": ") + words(parameter.choices);
+  if (parameter.is_deprecated) facts += ", deprecated";
   facts += parameter.required ? ", required" : ", default " + default_text(parameter.default_value);
   fmt::print("  {}: {}\n      {}\n", parameter.name, parameter.help, facts);
 }
@@ -94,6 +95,8 @@ ordered_json json_of(const host::ParameterSpec& parameter) {
   if (parameter.bounded) json["range"] = {parameter.minimum, parameter.maximum};
   if (!parameter.choices.empty()) json["choices"] = parameter.choices;
   if (!parameter.role.empty()) json["role"] = parameter.role;
+  if (parameter.is_deprecated) json["deprecated"] = true;
+  if (parameter.is_prominent) json["prominent"] = true;
   json["help"] = parameter.help;
   return json;
 }

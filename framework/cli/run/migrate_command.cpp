@@ -52,7 +52,8 @@ void migrate_file(const std::string& file, const MigrateOptions& options,
     print_error(error);
     context.exit_code = exit_code;
   };
-  const auto [found, report] = former_names_in(file, registry);
+  auto [found, report] = former_names_in(file, registry);
+  std::erase_if(found, [](const host::FormerName& each) { return each.after.empty(); });
   if (!report.ok()) {
     print_report(report);
     context.exit_code = kBadConfiguration;

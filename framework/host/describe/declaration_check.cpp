@@ -13,7 +13,7 @@ namespace weft::host {
 namespace {
 
 bool is_outside(double number, const weft_parameter& parameter) {
-  return !std::isfinite(number) || number < parameter.minimum || number > parameter.maximum;
+  return number < parameter.minimum || number > parameter.maximum;
 }
 
 bool is_outside(std::int64_t number, const weft_parameter& parameter) {
@@ -74,7 +74,9 @@ std::string wrong_default(const weft_parameter& parameter) {
   bool outside = false;
   for (std::uint64_t i = 0; i < value.count; ++i) {
     if (value.type == WEFT_VALUE_F64) {
-      outside = outside || is_outside(static_cast<const double*>(value.data)[i], parameter);
+      const double number = static_cast<const double*>(value.data)[i];
+      if (!std::isfinite(number)) return "has a default that is not finite";
+      outside = outside || is_outside(number, parameter);
     } else if (value.type == WEFT_VALUE_I64) {
       outside = outside || is_outside(static_cast<const std::int64_t*>(value.data)[i], parameter);
     }

@@ -106,6 +106,8 @@ void write_parameter(std::ostream& out, const weft_parameter& parameter) {
   if (parameter.choice_count > 0) out << "]";
   if (*parameter.role != '\0') out << "\n        role: " << double_quoted(parameter.role);
   if (*parameter.was != '\0') out << "\n        was: " << double_quoted(parameter.was);
+  if ((parameter.flags & WEFT_PARAMETER_DEPRECATED) != 0) out << "\n        deprecated: true";
+  if ((parameter.flags & WEFT_PARAMETER_PROMINENT) != 0) out << "\n        prominent: true";
   out << "\n        help: " << double_quoted(parameter.help) << "\n";
 }
 

@@ -56,11 +56,19 @@ class Renamer {
     if (over.kind != yaml::Kind::map) return;
     for (const ParameterSpec& parameter : of.parameters) {
       if (!parameter.was.empty()) rename(over, parameter, of.id);
+      if (parameter.is_deprecated) note(over, parameter, of.id);
       if (parameter.type != WEFT_VALUE_COMPONENT) continue;
       yaml::Entry* nested = entry_of(over, parameter.name);
       if (nested == nullptr) continue;
       component(nested->value, base != nullptr ? base->find(parameter.name) : nullptr,
                 parameter.default_value.scalar);
+    }
+  }
+
+  void note(const yaml::Node& params, const ParameterSpec& parameter, const std::string& id) {
+    for (const yaml::Entry& entry : params.entries) {
+      if (entry.key != parameter.name) continue;
+      found_.push_back({entry.at, parameter.name, "", "parameter of " + id, parameter.help});
     }
   }
 
@@ -85,7 +93,8 @@ class Renamer {
 }  // namespace
 
 std::string FormerName::message() const {
-  return quote(before) + " (" + what + ") is deprecated: use " + quote(after);
+  const std::string advice = after.empty() ? help : "use " + quote(after);
+  return quote(before) + " (" + what + ") is deprecated: " + advice;
 }
 
 std::string_view current_id(std::string_view id) {

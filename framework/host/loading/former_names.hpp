@@ -13,8 +13,10 @@ namespace weft::host {
 /// A deprecated name that a text uses.
 struct FormerName {
   yaml::Position at;
-  std::string before, after;
-  std::string what;  ///< "parameter of solvers/gauss_newton", "component", "metric"
+  std::string before,
+      after;           ///< `after` is empty for a deprecated parameter that has no other name
+  std::string what;    ///< "parameter of solvers/gauss_newton", "component", "metric"
+  std::string help{};  ///< advice where `after` is empty
 
   /// "'start' (parameter of solvers/gauss_newton) is deprecated: use 'initial_guess'"
   std::string message() const;

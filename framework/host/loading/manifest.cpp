@@ -104,6 +104,8 @@ ParameterSpec read_parameter(const yaml::Node& node) {
   if (node.find("choices") != nullptr) spec.choices = texts(node, "choices");
   if (node.find("role") != nullptr) spec.role = text(node, "role");
   if (node.find("was") != nullptr) spec.was = text(node, "was");
+  spec.is_deprecated = flag(node, "deprecated");
+  spec.is_prominent = flag(node, "prominent");
   return spec;
 }
 

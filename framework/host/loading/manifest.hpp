@@ -36,6 +36,8 @@ struct ParameterSpec {
   std::vector<std::string> choices;  ///< for an input path: words that are legal instead of a path
   std::string role;                  ///< role of a component parameter
   std::string was;                   ///< its name in older versions, or empty
+  bool is_deprecated = false;        ///< its help names what to use instead
+  bool is_prominent = false;         ///< one of those that users change most
 
   /// True if the value of an input path names a file or files.
   bool names_files(const std::string& value) const {

@@ -148,7 +148,8 @@ typedef struct weft_value {
   uint64_t reserved[2];
 } weft_value;
 
-#define WEFT_PARAMETER_DEPRECATED 1u /* help names the replacement */
+#define WEFT_PARAMETER_DEPRECATED 1u /* files that set it get a warning: help names what to use */
+#define WEFT_PARAMETER_PROMINENT 2u  /* one of those that users change most; shown first */
 
 /* The declaration of a parameter, given to weft_describe.parameter. */
 typedef struct weft_parameter {

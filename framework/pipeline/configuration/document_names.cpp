@@ -48,8 +48,9 @@ void use_current_names(yaml::Node& over, const yaml::Node& base, const host::Reg
 
 yaml::Problem warning_of(const host::FormerName& name, const std::vector<ConfigSource>& sources) {
   const ConfigSource& source = sources.at(to_index(name.at.source));
-  const std::string update =
-      source.is_setting ? "" : "; to update the file: weft migrate " + shell_word(source.name);
+  const std::string update = source.is_setting || name.after.empty()
+                                 ? ""
+                                 : "; to update the file: weft migrate " + shell_word(source.name);
   return {name.at, name.message() + update};
 }
 

@@ -40,6 +40,7 @@ ordered_json declaration_of(const host::ParameterSpec& parameter, const std::str
     object["maximum"] = parameter.maximum;
   }
   if (!parameter.choices.empty()) object["choices"] = parameter.choices;
+  if (parameter.is_prominent) object["is_prominent"] = true;
   object["default"] = value_json(parameter.default_value, parameter.type);
   return object;
 }

@@ -8,8 +8,8 @@ components derive from the class of their role (docs/python.md).
 import importlib
 
 from weft.answers import Cancelled, Degenerate, Failure, NoMoreFrames, NoResult, degenerate
-from weft.parameters import (choice, component, flag, formerly, input_path, labels, number, numbers,
-                             output_path, text, texts, whole, wholes)
+from weft.parameters import (choice, component, deprecated, flag, formerly, input_path, labels, number,
+                             numbers, output_path, prominent, text, texts, whole, wholes)
 from weft.records import Record
 from weft.roles import (Detector, Filter, Matcher, Pass, Sink, Solver, Source, TemplateBuilder,
                         WarpModel)
@@ -18,8 +18,8 @@ from weft.roles import (Detector, Filter, Matcher, Pass, Sink, Solver, Source, T
 __all__ = [
     "Cancelled", "Degenerate", "Detector", "Failure", "Filter", "Matcher", "NoMoreFrames", "NoResult", "Pass",
     "Record", "Sink", "Solver", "Source", "TemplateBuilder", "WarpModel", "choice", "component",
-    "degenerate", "flag", "formerly", "input_path", "labels", "number", "numbers", "output_path", "text",
-    "texts", "whole", "wholes",
+    "degenerate", "deprecated", "flag", "formerly", "input_path", "labels", "number", "numbers", "output_path",
+    "prominent", "text", "texts", "whole", "wholes",
 ]
 
 # Names for programs, by the module of weft.programs that has them. A module is imported at the first

@@ -8,6 +8,7 @@ from weft.answers import NoResult as NoResult
 from weft.answers import degenerate as degenerate
 from weft.parameters import choice as choice
 from weft.parameters import component as component
+from weft.parameters import deprecated as deprecated
 from weft.parameters import flag as flag
 from weft.parameters import formerly as formerly
 from weft.parameters import input_path as input_path
@@ -15,6 +16,7 @@ from weft.parameters import labels as labels
 from weft.parameters import number as number
 from weft.parameters import numbers as numbers
 from weft.parameters import output_path as output_path
+from weft.parameters import prominent as prominent
 from weft.parameters import text as text
 from weft.parameters import texts as texts
 from weft.parameters import whole as whole

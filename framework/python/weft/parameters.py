@@ -21,6 +21,7 @@ class Parameter:
         self.unit, self.bounds, self.choices, self.role = unit, bounds, tuple(choices), role
         self.required, self.is_list = required, is_list
         self.name, self.was = "", ""
+        self.is_deprecated = self.is_prominent = False
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
@@ -106,6 +107,19 @@ def formerly(name: str, parameter: Any) -> Any:
     """The parameter, which had another name: files that use it still run, with a warning, and
     `weft migrate` rewrites them. `noise_px = weft.formerly("noise", weft.number(...))`"""
     parameter.was = name
+    return parameter
+
+
+def prominent(parameter: Any) -> Any:
+    """The parameter, as one of those that users change most: programs show it first."""
+    parameter.is_prominent = True
+    return parameter
+
+
+def deprecated(parameter: Any) -> Any:
+    """The parameter, which files should not set any more: they get a warning with its meaning, which
+    names what to use instead."""
+    parameter.is_deprecated = True
     return parameter
 
 

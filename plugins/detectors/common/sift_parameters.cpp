@@ -5,8 +5,9 @@ namespace weft::detectors {
 namespace {
 
 void read_all_but_upsample(SiftParameters& to, Params& p, const char* sigma_help) {
-  p.read("max_keypoints", to.max_keypoints, "", {0, 1000000},
-         "maximum number of keypoints, the strongest ones spread over the image; 0: no limit");
+  p.prominent().read(
+      "max_keypoints", to.max_keypoints, "", {0, 1000000},
+      "maximum number of keypoints, the strongest ones spread over the image; 0: no limit");
   p.read("buckets", to.buckets, "", {1, 256},
          "number of cells per side over which max_keypoints is spread; 1: no spreading");
   p.read("octave_layers", to.settings.octave_layers, "", {1, 10}, "number of scales per octave");

@@ -32,8 +32,9 @@ class Orb final : public Detector {
                                 .reads = "region"};
 
   explicit Orb(Params& p) {
-    p.read("max_keypoints", max_keypoints_, "", {0, 1000000},
-           "maximum number of keypoints, the strongest ones spread over the image; 0: no limit");
+    p.prominent().read(
+        "max_keypoints", max_keypoints_, "", {0, 1000000},
+        "maximum number of keypoints, the strongest ones spread over the image; 0: no limit");
     p.read("buckets", buckets_, "", {1, 256},
            "number of cells per side over which max_keypoints is spread; 1: no spreading");
     p.read("levels", levels_, "", {1, 32}, "number of pyramid levels; small images have fewer");

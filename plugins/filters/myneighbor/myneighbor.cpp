@@ -36,9 +36,10 @@ class MyNeighbor final : public weft::Filter {
            "matches that agree with the warp of step II");
     p.read("passes", o.passes, "", {1, 10},
            "number of passes of steps I and II; later passes exclude clear outliers");
-    p.read("alpha_s", o.alpha_s, "", {0, 10},
-           "maximum residual of a kept match, relative to the mean distance of the warped "
-           "vertices; for paper");
+    p.prominent().read(
+        "alpha_s", o.alpha_s, "", {0, 10},
+        "maximum residual of a kept match, relative to the mean distance of the warped "
+        "vertices; for paper");
     p.read("authors_alpha_s", o.authors_alpha_s, "", {0, 10},
            "maximum residual of a kept match, relative to the mean distance of the points of step "
            "II; for authors_code");

@@ -38,7 +38,8 @@ class Vfc final : public weft::Filter {
 
   explicit Vfc(weft::Params& p) {
     if (weft::declare_preset(p) == weft::Preset::weft) centres_ = 50;
-    p.read("theta", settings_.theta, "", {0, 1}, "inlier probability above which a match is kept");
+    p.prominent().read("theta", settings_.theta, "", {0, 1},
+                       "inlier probability above which a match is kept");
     p.read("beta", settings_.beta, "", {1e-6, 1e3},
            "rate of the kernels exp(-beta |x - y|^2); larger values let the field vary more");
     p.read("lambda", settings_.lambda, "", {0, 1e6}, "weight of the field's smoothness");

@@ -55,8 +55,9 @@ class DenseFlow final : public Matcher {
     p.read("max_blur_px", max_blur_px_, "px", {0, 100},
            "maximum standard deviation of the blur of the image that the rendered texture copies; "
            "0: none");
-    p.read("min_correlation", options_.min_correlation, "", {0, 1},
-           "minimum normalised correlation of image and rendered texture of a kept match");
+    p.prominent().read(
+        "min_correlation", options_.min_correlation, "", {0, 1},
+        "minimum normalised correlation of image and rendered texture of a kept match");
     p.read("max_round_trip_px", options_.max_round_trip_px, "px", {0.01, 100},
            "maximum forward-backward error of a kept match");
     p.read("max_deviation_px", options_.max_deviation_px, "px", {0.1, 1000},

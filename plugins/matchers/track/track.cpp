@@ -26,8 +26,9 @@ class Track final : public Matcher {
       .reads = "previous.correspondences"};
 
   explicit Track(Params& p) {
-    p.read("max_points", max_points_, "", {16, 10000},
-           "approximate number of tracked points: one per cell of a grid over the surface");
+    p.prominent().read(
+        "max_points", max_points_, "", {16, 10000},
+        "approximate number of tracked points: one per cell of a grid over the surface");
     p.read("search_px", options_.search_px, "px", {0, 400},
            "maximum movement of the whole surface since the previous frame");
     p.read("min_correlation", options_.min_correlation, "", {0, 1},

@@ -51,8 +51,8 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
              {{"matches", Data::matches}, {"sightlines", Data::sightlines}, {"both", Data::both}},
              "measurements of the data term; matches: the matches if they are connected, else the "
              "sightlines");
-    p.read("match_noise_px", frame.seen.match_noise_px, "px", {1e-3, 100.0},
-           "standard deviation, along u and v, of a match without a covariance");
+    p.prominent().read("match_noise_px", frame.seen.match_noise_px, "px", {1e-3, 100.0},
+                       "standard deviation, along u and v, of a match without a covariance");
     p.read("covariance_noise_px", frame.seen.covariance_noise_px, "px", {0.0, 100.0},
            "standard deviation that is added to the covariance of a match");
     p.read("sightline_noise_px", frame.seen.sightline_noise_px, "px", {1e-3, 100.0},
@@ -64,7 +64,7 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
     p.read("pair_strain", search_.scales.pair_strain, "", {0.0, 1.0},
            "standard deviation of the relative distance error of opposite vertices of adjacent "
            "faces; 0: no such term");
-    p.read(
+    p.prominent().read(
         "bend_rad", search_.scales.bend_rad, "rad", {0.0, 100.0},
         "standard deviation of the bend of a mesh square from the expected bend; 0: no such term");
     p.read(

@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <locale>
 #include <stdexcept>
+#include <thread>
 
 #include "faults.hpp"
 
@@ -44,6 +45,7 @@ void end_the_process() {
   const volatile bool more = true;
   const volatile int number = 7, nothing = 0;
   if (has("segv")) write_where_nothing_is();
+  if (has("segv_in_thread")) std::thread(write_where_nothing_is).join();
   if (has("bus")) read_beyond_a_file();
   if (has("fpe")) divide(number, nothing);
   if (has("ill")) __builtin_trap();

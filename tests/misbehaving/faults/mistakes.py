@@ -177,7 +177,7 @@ OF_DECLARATIONS = [
     undescribed("null_default", "'strictness' has a default that is null"),
     undescribed("null_default_text", "'colour' has a default that is null"),
     undescribed("no_default", "'strictness' has no default and is not required"),
-    undescribed("nan_default", "'strictness' has a default outside its range"),
+    undescribed("nan_default", "'strictness' has a default that is not finite"),
     undescribed("outside_default", "'strictness' has a default outside its range"),
     undescribed("nan_range", "'strictness' has a range whose minimum is the larger end"),
     undescribed("no_choices", "'colour' has a default that is none of its choices"),
@@ -225,6 +225,11 @@ OF_CALLS = [
         Ask("isolated", f"{ID}: its worker gave no answer within 10000 ms and was ended", 2,
             verdict="ended apart, told")]),
     calls("segv", r"ended the process \(SIGSEGV", DIED.format(11)),
+    Case("segv_in_thread", [
+        Ask("run", r"filters_test_faulty\.so, in a thread that it started, after the call filters "
+            rf"\({ID}: filter\), frame 1: ended the process \(SIGSEGV.*{TELLS}", "fails", verdict="ended, told"),
+        Ask("isolated", f"frame 1 .*{ID}: its worker {DIED.format(11)}", 1, ONE_LOST,
+            "one frame lost")]),
     calls("bus", r"ended the process \(SIGBUS", DIED.format(7)),
     calls("fpe", r"ended the process \(SIGFPE", DIED.format(8)),
     calls("ill", r"ended the process \(SIGILL", DIED.format(4)),

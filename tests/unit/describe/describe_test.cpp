@@ -4,13 +4,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <stdexcept>
 #include <weft/sdk/filter.hpp>
 
 namespace weft::host {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 struct Base : Filter {
   Result<InlierMask> filter(const FilterInput&) override { return no_result("nothing"); }
@@ -22,6 +25,10 @@ struct OutsideRange final : Base {
 struct InvertedRange final : Base {
   explicit InvertedRange(Params& p) { p.read("alpha", alpha, "s", {1, 0}, "upside down"); }
   double alpha = 0.5;
+};
+struct NotFinite final : Base {
+  explicit NotFinite(Params& p) { p.read("alpha", alpha, "s", {}, "no bound"); }
+  double alpha = std::numeric_limits<double>::infinity();
 };
 struct VectorOutside final : Base {
   explicit VectorOutside(Params& p) { p.read("alphas", alphas, "s", {0, 1}, "one too large"); }
@@ -56,6 +63,14 @@ template <const char* kNeeds, const char* kReads, const char* kProduces>
 struct Asking final : Base {
   static constexpr About kAbout{.needs = kNeeds, .reads = kReads, .produces = kProduces};
   explicit Asking(Params&) {}
+};
+struct Flagged final : Base {
+  explicit Flagged(Params& p) {
+    p.prominent().read("alpha", alpha, "s", {0, 1}, "changed most");
+    p.deprecated().read("beta", beta, "s", {0, 1}, "no effect: use alpha");
+    p.read("gamma", beta, "s", {0, 1}, "neither");
+  }
+  double alpha = 0.5, beta = 0.5;
 };
 struct Required final : Base {
   explicit Required(Params& p) { p.read("alpha", alpha, "s", {1, 2}, "given", Need::required); }
@@ -136,14 +151,27 @@ TEST(Describe, StatesHowAComponentFollowsItsReference) {
   EXPECT_THAT(manifest_of("paper: A: b"),
               HasSubstr("reference: \"A: b\"\n    implements: \"paper\"\n"));
   for (const char* plain : {"", "A 2012", "paper", "own:A", "newspaper: A"}) {
-    EXPECT_THAT(manifest_of(plain), ::testing::Not(HasSubstr("implements"))) << plain;
+    EXPECT_THAT(manifest_of(plain), Not(HasSubstr("implements"))) << plain;
     EXPECT_THAT(manifest_of(plain), HasSubstr(std::string("reference: \"") + plain + "\"\n"));
   }
+}
+
+TEST(Describe, StatesWhichParametersAreShownFirstAndWhichAreDeprecated) {
+  const std::string manifest = *description<Flagged>();
+  const std::string of_alpha = manifest.substr(manifest.find("name: \"alpha\""));
+  EXPECT_THAT(of_alpha.substr(0, of_alpha.find("name: \"beta\"")),
+              AllOf(HasSubstr("prominent: true"), Not(HasSubstr("deprecated"))));
+  const std::string of_beta = manifest.substr(manifest.find("name: \"beta\""));
+  EXPECT_THAT(of_beta.substr(0, of_beta.find("name: \"gamma\"")),
+              AllOf(HasSubstr("deprecated: true"), Not(HasSubstr("prominent"))));
+  EXPECT_THAT(manifest.substr(manifest.find("name: \"gamma\"")),
+              AllOf(Not(HasSubstr("deprecated")), Not(HasSubstr("prominent"))));
 }
 
 TEST(Describe, RefusesDefaultsThatNoPipelineCouldUse) {
   EXPECT_EQ(mistake<OutsideRange>(), "parameter 'alpha' has a default outside its range");
   EXPECT_EQ(mistake<VectorOutside>(), "parameter 'alphas' has a default outside its range");
+  EXPECT_EQ(mistake<NotFinite>(), "parameter 'alpha' has a default that is not finite");
   EXPECT_EQ(mistake<IntegerOutside>(), "parameter 'count' has a default outside its range");
   EXPECT_EQ(mistake<NoChoice>(), "parameter 'mode' has a default that is none of its choices");
 }

@@ -47,6 +47,18 @@ TEST_F(FormerNames, AreWarnedOfAndReplaced) {
   EXPECT_THAT(effective_yaml(config), Not(HasSubstr("start:")));
 }
 
+TEST_F(FormerNames, OfParametersThatHaveNoOtherOneAreWarnedOfWithTheHelp) {
+  const std::string expected =
+      "pipeline.yaml:6:14: 'rounds' (parameter of solvers/test.holder) is deprecated: no effect: "
+      "choose another initial_guess";
+  const auto [config, report] = load(holder("{rounds: 3}"));
+  ASSERT_TRUE(report.ok()) << report.text();
+  ASSERT_EQ(config.doubts.size(), 1U);
+  EXPECT_THAT(config.doubts[0], ::testing::EndsWith(expected));
+  EXPECT_THAT(effective_yaml(config), HasSubstr("rounds: 3"));
+  EXPECT_THAT(load(holder("{initial_guess: {}}")).second.warning_text(), IsEmpty());
+}
+
 TEST_F(FormerNames, CannotBeGivenBesideTheCurrentOne) {
   const auto report =
       load(holder("{initial_guess: {}, start: {use: solvers/test.scripted}}")).second;

@@ -57,6 +57,20 @@ class Params {
     return *this;
   }
 
+  /// The parameter that is declared next is one of those that users change most: programs show it
+  /// first. `p.prominent().read(...)`
+  Params& prominent() {
+    flags_ |= WEFT_PARAMETER_PROMINENT;
+    return *this;
+  }
+
+  /// Files that set the parameter that is declared next get a warning with its help, which names
+  /// what to use instead.
+  Params& deprecated() {
+    flags_ |= WEFT_PARAMETER_DEPRECATED;
+    return *this;
+  }
+
   void read(const char* name, double& value, const char* unit, Range range, const char* help,
             Need need = Need::optional);
   void read(const char* name, int& value, const char* unit, Range range, const char* help,
@@ -114,6 +128,7 @@ class Params {
   const weft_value* values_ = nullptr;
   std::uint64_t count_ = 0;
   const char* former_name_ = "";
+  std::uint32_t flags_ = 0;  ///< flags of the next declaration
   Result<void> status_;
 };
 

@@ -31,6 +31,7 @@ inline void Params::declare(weft_parameter parameter, const char* name, int type
   if (parameter.unit == nullptr) parameter.unit = "";
   if (parameter.role == nullptr) parameter.role = "";
   parameter.was = std::exchange(former_name_, "");
+  parameter.flags = std::exchange(flags_, 0);
   sink_->parameter(sink_->context, &parameter);
 }
 

@@ -75,16 +75,17 @@ export function requested_value({ type, is_vector }, text) {
 
 const kFirst = 5;
 
-/** The parameters to show on top: of the stages that can change, one after another, the first that
-    the pipeline sets, else the first that is declared. */
+/** The parameters to show on top: of the stages that can change, those that their components declare
+    as prominent, else the first of each stage that the pipeline sets, or that is declared. */
 export function first_parameters(stages) {
-  return stages
+  const of_stages = stages
     .filter(({ changeable }) => changeable)
-    .map(({ parameters }) => {
-      const changed_here = parameters.filter((each) => kind_of(each) !== "shown");
-      const is_set = ({ value, default: usual }) => !same_value(value, usual);
-      return changed_here.find(is_set) ?? changed_here[0];
-    })
-    .filter(Boolean)
-    .slice(0, kFirst);
+    .map(({ parameters }) => parameters.filter((each) => kind_of(each) !== "shown"));
+  const is_set = ({ value, default: usual }) => !same_value(value, usual);
+  const others = of_stages
+    .filter((parameters) => !parameters.some((each) => each.is_prominent))
+    .map((parameters) => parameters.find(is_set) ?? parameters[0])
+    .filter(Boolean);
+  const prominent = of_stages.flatMap((each) => each.filter(({ is_prominent }) => is_prominent));
+  return [...prominent, ...others].slice(0, kFirst);
 }
