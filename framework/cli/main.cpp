@@ -6,9 +6,9 @@
 #include <weft/core/version.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/ending/sudden_end.hpp"
 #include "cli/output/home_paths.hpp"
 #include "cli/output/standard_output.hpp"
-#include "cli/run/sudden_end.hpp"
 #include "cli/shell/coloured_help.hpp"
 #include "cli/shell/command_table.hpp"
 #include "cli/shell/wrong_words.hpp"

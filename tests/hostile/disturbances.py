@@ -65,10 +65,7 @@ def victim_of(case: Case) -> Ablation | Run:
     isolated = case.victim.startswith("isolated")
     if case.victim.endswith("ablation"):
         return Ablation(out, isolated)
-    run = Run(out, isolated)
-    if case.kind == "interrupted twice":  # the message names the stage that was called last
-        run.command += ["--set", "frames_at_once=1"]
-    return run
+    return Run(out, isolated)
 
 
 class Judge:

@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "cli/data/data_commands.hpp"
+#include "cli/ending/interruption.hpp"
 #include "cli/output/json_text.hpp"
-#include "cli/run/interruption.hpp"
 #include "cli/standard_components.hpp"
 #include "pipeline/survey/data_survey.hpp"
 

@@ -8,7 +8,7 @@
 #include "cli/data/match_reader.hpp"
 #include "cli/data/match_writer.hpp"
 #include "cli/data/sequence_maker.hpp"
-#include "cli/run/interruption.hpp"
+#include "cli/ending/interruption.hpp"
 #include "yaml/yaml.hpp"
 
 namespace weft::cli {

@@ -12,8 +12,9 @@
 #include <nlohmann/json.hpp>
 #include <weft/core/whole_file.hpp>
 
+#include "cli/ending/interruption.hpp"
+#include "cli/ending/running_calls.hpp"
 #include "cli/output/new_file.hpp"
-#include "cli/run/interruption.hpp"
 #include "pipeline/runs/run.hpp"
 #include "yaml/yaml.hpp"
 
@@ -46,6 +47,7 @@ class SequenceProgress final : public RunObserver {
                std::uint64_t frame) override {
     now_running(stage, component, what, frame);
   }
+  void called() override { set_ended(); }
   void end_line() const {
     if (shows_ && done_ > 0) fmt::print(stderr, "\n");
   }

@@ -10,6 +10,7 @@
 #include <weft/core/shell_word.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/ending/interruption.hpp"
 #include "cli/output/duration_text.hpp"
 #include "cli/output/report_text.hpp"
 #include "cli/output/scratch_folder.hpp"
@@ -18,7 +19,6 @@
 #include "cli/results/cell_failures.hpp"
 #include "cli/results/forecast_text.hpp"
 #include "cli/results/varied_plan.hpp"
-#include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/standard_components.hpp"
 #include "lab/ablation/ablation.hpp"

@@ -9,8 +9,8 @@
 #include <weft/core/shell_word.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/ending/interruption.hpp"
 #include "cli/output/duration_text.hpp"
-#include "cli/run/interruption.hpp"
 #include "lab/cluster/queue.hpp"
 #include "lab/cluster/slurm_engine.hpp"
 #include "lab/cluster/task.hpp"

@@ -9,11 +9,11 @@
 #include <weft/core/whole_file.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/ending/interruption.hpp"
 #include "cli/output/new_file.hpp"
 #include "cli/output/report_text.hpp"
 #include "cli/output/scratch_folder.hpp"
 #include "cli/run/bench_options.hpp"
-#include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
 #include "host/loading/processor.hpp"
 #include "lab/bench/report.hpp"

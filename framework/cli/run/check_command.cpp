@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "cli/commands.hpp"
+#include "cli/ending/interruption.hpp"
 #include "cli/output/report_text.hpp"
-#include "cli/run/interruption.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/standard_components.hpp"
 #include "lab/ablation/plan/grid.hpp"

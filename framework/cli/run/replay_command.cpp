@@ -7,8 +7,8 @@
 #include <weft/core/statistics.hpp>
 
 #include "cli/commands.hpp"
+#include "cli/ending/interruption.hpp"
 #include "cli/output/new_file.hpp"
-#include "cli/run/interruption.hpp"
 #include "pipeline/dumps/replay.hpp"
 
 namespace weft::cli {

@@ -10,8 +10,9 @@
 #include <optional>
 #include <tuple>
 
+#include "cli/ending/interruption.hpp"
+#include "cli/ending/running_calls.hpp"
 #include "cli/output/report_text.hpp"
-#include "cli/run/interruption.hpp"
 #include "cli/run/recorded_run.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/run/run_statistics.hpp"
@@ -46,6 +47,7 @@ class Progress final : public RunObserver {
                std::uint64_t frame) override {
     now_running(stage, component, what, frame);
   }
+  void called() override { set_ended(); }
 
   const RunStatistics& statistics() const { return statistics_; }
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "cli/run/interruption.hpp"
+#include "cli/ending/interruption.hpp"
 #include "pipeline/runs/run.hpp"
 
 namespace weft::cli {

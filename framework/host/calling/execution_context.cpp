@@ -46,7 +46,8 @@ ExecutionContext::ExecutionContext(std::uint64_t run_seed, Log log,
 Result<Instance*> ExecutionContext::instantiate(const ComponentSpec& spec, const std::string& stage,
                                                 const std::string& path) {
   if (cancellation_.is_requested()) return not_begun(spec.component().id);
-  if (path.empty()) announce(stage, spec.component().id, "load", kOfflineFrame);
+  std::optional<Announced> announced;
+  if (path.empty()) announced.emplace(*this, stage, spec.component().id, "load", kOfflineFrame);
   const ProcessState before_load;
   const auto table = load(*spec.installed);
   warn_of_changes(before_load, path.empty() ? stage : stage + "/" + path, "while it was loaded");
@@ -116,7 +117,7 @@ weft_call ExecutionContext::make_call(const Instance& instance, Scope& scope, in
 Result<void> ExecutionContext::prepare(Instance& instance, const Record& templ,
                                        const Record& camera) {
   if (cancellation_.is_requested()) return not_begun(instance.id);
-  announce(instance.name, instance.id, "prepare", kOfflineFrame);
+  const Announced announced{*this, instance.name, instance.id, "prepare", kOfflineFrame};
   if (instance.worker != nullptr) {
     return instance.worker->prepare({{"template", templ.alias()}, {"camera", camera.alias()}});
   }
@@ -157,7 +158,8 @@ Outcome ExecutionContext::call(Instance& instance, int method, std::span<const w
   const std::vector<RoleMethod>& methods = instance.rules.role.methods;
   const auto index = to_index(method);
   static const std::string kNone;
-  announce(instance.name, instance.id, index < methods.size() ? methods[index].name : kNone, frame);
+  const Announced announced{*this, instance.name, instance.id,
+                            index < methods.size() ? methods[index].name : kNone, frame};
   return enter(instance, method, inputs, {frame, draw, frame, 0, deadline});
 }
 

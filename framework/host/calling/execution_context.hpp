@@ -34,6 +34,8 @@ class ExecutionContext {
   /// method) and the frame. The thread that runs the call also calls this function.
   using Announce = std::function<void(const std::string& stage, const std::string& component,
                                       const std::string& what, std::uint64_t frame)>;
+  /// The call that this thread announced has ended.
+  using AnnounceEnd = std::function<void()>;
 
   /// Outputs are stored in `arena` if it is given, which isolated instances need. Revisions have
   /// the bits of `revision_mark`.
@@ -111,13 +113,17 @@ class ExecutionContext {
   static Result<std::vector<ChangeRequest>> take_change_requests(const Instance& sink);
   static Result<void> answer(const Instance& sink, const ChangeAnswer& answer);
 
-  /// Sets the function that is called before components are created, prepared and called, by the
-  /// thread that does so. Nested components are not announced.
-  void announce_to(Announce announce) { announce_ = std::move(announce); }
+  /// Sets the functions that are called before and after components are created, prepared, called
+  /// and destroyed, by the thread that does so. Nested components are not announced.
+  void announce_to(Announce announce, AnnounceEnd announce_end) {
+    announce_ = std::move(announce);
+    announce_end_ = std::move(announce_end);
+  }
 
  private:
   friend struct Callbacks;
 
+  struct Announced;
   struct Scope;
   struct Turn;
   Instance& add(std::unique_ptr<Instance> instance);
@@ -140,14 +146,10 @@ class ExecutionContext {
   std::int32_t call_worker(Instance& instance, Scope& scope, int method,
                            std::span<const weft_record> inputs, weft_error* error);
   Instance* find(std::uint64_t handle) const;
-  void announce(const std::string& stage, const std::string& component, const std::string& what,
-                std::uint64_t frame) const {
-    if (announce_) announce_(stage, component, what, frame);
-  }
-
   std::uint64_t run_seed_;
   Log log_;
   Announce announce_;
+  AnnounceEnd announce_end_;
   mutable std::mutex instances_mutex_;
   std::vector<std::unique_ptr<Instance>> instances_;  ///< handle - 1 is the index; null: destroyed
   int threads_a_call_ = 1;

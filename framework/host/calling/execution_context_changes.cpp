@@ -54,7 +54,7 @@ std::string Instance::end() {
 }
 
 void ExecutionContext::end(Instance& instance) const {
-  announce(instance.name, instance.id, "destroy", kOfflineFrame);
+  const Announced announced{*this, instance.name, instance.id, "destroy", kOfflineFrame};
   const ProcessState before;
   const std::string fault = instance.end();
   warn_of_changes(before, instance.name, "while it was destroyed");

@@ -67,6 +67,22 @@ struct NestedAnswer {
   ReachableInputs reached{};        ///< behind those of them that had to be fetched
 };
 
+/// Announces a call, and its end when it is destroyed.
+struct ExecutionContext::Announced {
+  Announced(const ExecutionContext& in, const std::string& stage, const std::string& component,
+            const std::string& what, std::uint64_t frame)
+      : context(in) {
+    if (context.announce_) context.announce_(stage, component, what, frame);
+  }
+  ~Announced() {
+    if (context.announce_end_) context.announce_end_();
+  }
+  Announced(const Announced&) = delete;
+  Announced& operator=(const Announced&) = delete;
+
+  const ExecutionContext& context;
+};
+
 /// The frame and the draw to which a call belongs.
 struct ExecutionContext::Turn {
   std::uint64_t frame, draw;  ///< as in weft_invocation

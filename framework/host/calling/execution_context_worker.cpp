@@ -28,7 +28,7 @@ Result<Instance*> ExecutionContext::instantiate_isolated(const ComponentSpec& sp
   if (cancellation_.is_requested()) {
     return Error{Errc::cancelled, "cancelled before it began", spec.component().id};
   }
-  announce(stage, spec.component().id, "load", kOfflineFrame);
+  const Announced announced{*this, stage, spec.component().id, "load", kOfflineFrame};
   Instance& instance = add(std::make_unique<Instance>(spec, stage, ""));
   auto context = worker_context_of(instance);
   if (!context) return context.error();

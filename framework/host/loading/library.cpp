@@ -10,6 +10,7 @@
 #include "host/describe/build_id.hpp"
 #include "host/guarding/first_sizes.hpp"
 #include "host/guarding/library_call.hpp"
+#include "host/guarding/loaded_code.hpp"
 #include "host/loading/registry.hpp"
 #include "host/loading/sanitizer.hpp"
 
@@ -154,6 +155,7 @@ Result<const weft_library_table*> load_library(const std::string& file) {
                         "WEFT_PLUGIN(...) and build it with weft_add_plugin()");
   }
   if (auto valid = check_table(table, file); !valid) return valid.error();
+  note_code_of(&table, file);
   return &table;
 }
 

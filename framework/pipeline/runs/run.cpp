@@ -42,11 +42,16 @@ class Run {
         folder_path_(folder) {
     if (options_.protects_inputs) context_->protect_inputs();
     context_->cancellation().watch([this] { return cancel_.load(); });
-    context_->announce_to([this](const std::string& stage, const std::string& component,
-                                 const std::string& what, std::uint64_t frame) {
-      const std::lock_guard lock(announcing_);
-      observer_.calling(stage, component, what, frame);
-    });
+    context_->announce_to(
+        [this](const std::string& stage, const std::string& component, const std::string& what,
+               std::uint64_t frame) {
+          const std::lock_guard lock(announcing_);
+          observer_.calling(stage, component, what, frame);
+        },
+        [this] {
+          const std::lock_guard lock(announcing_);
+          observer_.called();
+        });
   }
 
   RunSummary run() {

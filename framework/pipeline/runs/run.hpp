@@ -31,6 +31,8 @@ class RunObserver {
   /// host::kOfflineFrame before and after the frames.
   virtual void calling(const std::string& /*stage*/, const std::string& /*component*/,
                        const std::string& /*action*/, std::uint64_t /*frame*/) {}
+  /// It has ended.
+  virtual void called() {}
 };
 
 struct RunSummary {

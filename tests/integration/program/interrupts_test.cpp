@@ -54,6 +54,27 @@ TEST_F(Program, ASecondInterruptEndsItAtOnceAndNamesWhatRan) {
   }
 }
 
+TEST_F(Program, ASecondInterruptNamesTheStageThatHangsAndNotOneThatHasEnded) {
+  write("", "gate");
+  write("", "gate.deaf");
+  const std::string file = write(chain(
+      {{"sources", "{frames: 50}"}, {"sinks", "{path: lines.txt, gate: '" + path("gate") + "'}"}},
+      "frames_at_once: 2"));
+  Child child(command({"run", file, "--out", path("run"), "--isolate", "none"}), path("printed"));
+  for (int call = 0; call < 2; ++call) {  // the sink is opened, then it gets a frame
+    ASSERT_TRUE(comes_true([&] { return fs::exists(path("gate.arrived")); }));
+    if (call == 0) fs::remove(path("gate.arrived"));
+  }
+  // Stages of later frames are called meanwhile, and end.
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  child.send(SIGINT);
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  child.send(SIGINT);
+  const Ended ended = child.wait();
+  EXPECT_EQ(ended.exit_code, 130);
+  EXPECT_THAT(ended.err, HasSubstr("running: sinks (sinks/test.scripted: write), frame 0\n"));
+}
+
 TEST_F(Program, AnInterruptBeforeTheFirstFrameIsNoErrorAndLeavesNoFolder) {
   const std::string file = write(chain({{"sources", "{frames: 50, sleep_ms: 400}"}}));
   Child child(command({"run", file, "--out", path("run")}), path("printed"));

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "cli/run/sudden_end.hpp"
+#include "cli/ending/sudden_end.hpp"
 
 #include <dlfcn.h>
 #include <signal.h>
 #include <sys/syscall.h>
+#include <ucontext.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdio>
@@ -14,8 +14,10 @@
 #include <cstring>
 #include <memory>
 
+#include "cli/ending/running_calls.hpp"
 #include "cli/output/outcome.hpp"
 #include "host/calling/protected_inputs.hpp"
+#include "host/guarding/loaded_code.hpp"
 
 namespace weft::cli {
 namespace {
@@ -30,15 +32,7 @@ constexpr std::array<Deadly, 5> kDeadly{{{SIGSEGV, " (SIGSEGV, memory that is no
                                          {SIGILL, " (SIGILL, an instruction that there is not)"},
                                          {SIGABRT, " (SIGABRT, a failed check or an exception)"}}};
 
-struct Text {
-  std::array<char, 320> bytes;
-  std::size_t length;
-  bool of_run;  ///< a component that a run calls
-};
-
 // Handlers reach nothing but objects with static storage.
-thread_local Text here{};
-Text anywhere{};
 std::atomic<pid_t> watched{0};  ///< the process; a copy of it may end as it likes
 std::array<struct sigaction, kDeadly.size()> actions_before;
 
@@ -77,32 +71,59 @@ void say(const char* text, std::size_t length) {
 }
 void say(const char* text) { say(text, std::strlen(text)); }
 
+/// Where a thread is: its instruction, and the top of its stack.
+struct ThreadPlace {
+  std::uintptr_t instruction, stack_top;
+};
+
+ThreadPlace place_in(const void* context) {
+  const mcontext_t& registers = static_cast<const ucontext_t*>(context)->uc_mcontext;
+#if defined(__x86_64__)
+  return {static_cast<std::uintptr_t>(registers.gregs[REG_RIP]),
+          static_cast<std::uintptr_t>(registers.gregs[REG_RSP])};
+#elif defined(__aarch64__)
+  return {registers.pc, registers.sp};
+#else
+  return {0, 0};
+#endif
+}
+
 /// Prints what ran, and how it ended.
-void say_what_ran(const char* how, const char* more) {
-  const Text& known = here.length > 0 ? here : anywhere;
+void say_what_ran(const ThreadPlace& place, const char* how, const char* more) {
+  const RunningCall* const here = last_call_here();
+  const RunningCall* const known = here != nullptr ? here : last_call_anywhere();
+  const char* const library =
+      here == nullptr ? host::library_that_runs(place.instruction, place.stack_top) : nullptr;
   say("\n");
+  if (library != nullptr) {
+    say(library);
+    say(", in a thread that it started");
+  } else if (here == nullptr) {
+    say(known != nullptr ? "in a thread of a component" : "weft");
+  }
   // With several frames at once, the last call need not be that of the thread's component.
-  if (here.length == 0 && known.length > 0) say("in a thread of a component, after the call ");
-  say(known.bytes.data(), known.length);
-  if (known.length == 0) say("weft");
+  if (here == nullptr && known != nullptr) say(", after the call ");
+  if (known != nullptr) say(known->bytes.data(), known->length);
   say(": ");
   say(how);
   say(more);
-  say(known.of_run
+  say(known != nullptr && known->of_run
           ? "; frames in the run folder stay. Try isolate: process at its stage: this then "
             "costs one frame\n"
           : "\n");
 }
 
-void on_deadly(int signal, siginfo_t* info, void*) {
+void on_deadly(int signal, siginfo_t* info, void* context) {
+  const ThreadPlace thread = place_in(context);
   const host::ProtectedPlace place =
       signal == SIGSEGV ? host::protected_place(info->si_addr) : host::ProtectedPlace{};
   for (std::size_t i = 0; i < kDeadly.size(); ++i) {
     sigaction(kDeadly[i].signal, &actions_before[i], nullptr);
     if (kDeadly[i].signal != signal || watched != getpid()) continue;
-    if (place.input == nullptr) say_what_ran("ended the process", kDeadly[i].meaning);
+    if (place.input == nullptr) say_what_ran(thread, "ended the process", kDeadly[i].meaning);
     if (place.input != nullptr) {
-      say_what_ran(place.beyond ? "went beyond the end of its input " : "wrote into its input ",
+      say_what_ran(thread,
+                   place.beyond ? "went beyond the end of its input " : "wrote into its input ",
                    place.input);
     }
   }
@@ -113,7 +134,8 @@ void on_deadly(int signal, siginfo_t* info, void*) {
 /// Handles a call that did not come from this program.
 void on_exit_of_component(const char* function) {
   if (watched != getpid()) return;
-  say_what_ran("called ", function);
+  const auto stack_top = reinterpret_cast<std::uintptr_t>(__builtin_frame_address(0));
+  say_what_ran({0, stack_top}, "called ", function);
   end_at_once(kComponentExited);
 }
 
@@ -139,14 +161,7 @@ SuddenEndWatch::~SuddenEndWatch() {
   }
 }
 
-void now_running_here(const std::string& what, bool of_run) {
-  thread_local const AlternateStack stack;
-  for (Text* text : {&here, &anywhere}) {
-    text->length = std::min(what.size(), text->bytes.size());
-    std::copy_n(what.begin(), text->length, text->bytes.begin());
-    text->of_run = of_run;
-  }
-}
+void watch_stack_here() { thread_local const AlternateStack stack; }
 
 void end_at_once(int code) {
   while (true) syscall(SYS_exit_group, code);
