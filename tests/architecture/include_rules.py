@@ -52,7 +52,7 @@ INTERNAL = {
     "pipeline/dumps": "core data host/loading pipeline/configuration pipeline/execution",
     "pipeline/runs": "core data geometry host/roles host/loading pipeline/configuration pipeline/graph "
     "pipeline/execution pipeline/monitor pipeline/steering pipeline/dumps",
-    "pipeline/embedding": "core data embedding host/loading pipeline/runs",
+    "pipeline/embedding": "core data embedding host/records host/loading pipeline/runs",
     "pipeline/overview": "core yaml host/roles host/loading pipeline/configuration pipeline/graph",
     "pipeline/survey": "core images data geometry sdk yaml host/roles host/loading host/calling "
     "pipeline/execution",

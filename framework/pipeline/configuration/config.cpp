@@ -85,6 +85,7 @@ std::pair<PipelineConfig, ConfigReport> load_pipeline(const std::string& file,
   config.left_out = std::move(document.left_out);
   config.unclear_names = document.unclear_names;
   config.in_program = document.in_program;
+  config.given = document.given;
   config.isolating = document.isolating;
   paths.unclear = document.unclear;
   ConfigReport report{document.sources, std::move(document.problems), true, {}};

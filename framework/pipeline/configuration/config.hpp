@@ -68,6 +68,7 @@ struct PipelineConfig {
   bool is_sequence = true;          ///< else frames are unordered: none has one before it
   bool latest_only = false;         ///< `realtime: latest`: frames that come meanwhile are dropped
   bool in_program = false;          ///< see PipelineDocument: there is neither source nor sink
+  std::vector<std::string> given;   ///< see PipelineDocument
   Isolating isolating = Isolating::preferred;  ///< the chosen isolation
   std::vector<std::string> doubts;             ///< warnings of the report, with their places
   /// An error makes the names of some stages unknown, so that missing names may only be a

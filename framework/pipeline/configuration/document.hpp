@@ -67,6 +67,7 @@ struct PipelineDocument {
   /// A program passes images in and takes the results, so that the settings of source and sinks are
   /// ignored.
   bool in_program = false;
+  std::vector<std::string> given;  ///< inputs of the frames that it passes beside image and time
   Isolating isolating = Isolating::preferred;
 };
 

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <weft/core/quote.hpp>
 #include <weft/data/owned.hpp>
 #include <weft/embedding/pipeline.hpp>
 
 #include "host/loading/registry.hpp"
+#include "host/records/value_check.hpp"
 #include "pipeline/runs/frame_json.hpp"
 #include "pipeline/runs/frame_loop.hpp"
 #include "pipeline/runs/warning_log.hpp"
@@ -32,6 +36,19 @@ Error all_mistakes(const ConfigReport& report) {
     }
   }
   return error;
+}
+
+/// The inputs that process() takes beside an image and its time.
+Result<void> check_inputs(const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    if (input == "correspondences" || input == "known_points") continue;
+    return Error{Errc::invalid_value,
+                 quote(input) +
+                     " is no input of a program's frames; there are \"correspondences\" "
+                     "and \"known_points\"",
+                 "inputs"};
+  }
+  return {};
 }
 
 Error named(const Error& error, const char* slot) { return {error.code, error.message, slot}; }
@@ -115,6 +132,7 @@ class Pipeline::Opened {
     auto document =
         read_document(file, options.settings, registry_, host::PathRules::of_process({}, ""));
     document.in_program = true;
+    document.given = options.inputs;
     auto [pipeline, report] = check_pipeline(file, std::move(document), registry_, "");
     if (!report.ok()) return all_mistakes(report);
     pipeline_ = std::move(pipeline);
@@ -150,17 +168,18 @@ class Pipeline::Opened {
 
   bool is_forked() const { return opener_ != getpid(); }
 
-  Result<ProcessedFrame> process(const Image& image, double t_s) {
+  Result<ProcessedFrame> process(const FrameInputs& inputs, double t_s) {
     if (is_forked()) return forked_error("load a pipeline in a process that is started anew");
-    if (auto legal = check_pixels(image.pixels); !legal) return legal.error();
-    auto picture = admitted(*context_, image, "image", frames_);
-    if (!picture) return picture.error();
-    auto time = admitted(*context_, Time{t_s}, "time", frames_);
-    if (!time) return time.error();
-    if (auto ordered = check_order(t_s, last_s_); !ordered) return ordered.error();
+    if (inputs.image) {
+      if (auto legal = check_pixels(inputs.image->pixels); !legal) return legal.error();
+    }
     host::NamedRecords records(context_->memory());
-    records.emplace_back("image", *std::move(picture));
-    records.emplace_back("time", *std::move(time));
+    auto added = add(inputs.image, "image", records);
+    if (added) added = add(std::optional(Time{t_s}), "time", records);
+    if (added) added = check_order(t_s, last_s_);
+    if (added) added = add(inputs.correspondences, "correspondences", records);
+    if (added) added = add(inputs.known_points, "known_points", records);
+    if (!added) return added.error();
     auto frame = loop_->input().take(frames_, std::move(records));
     if (!frame) return frame.error();
     const FrameResult result = loop_->process(*frame);
@@ -175,6 +194,29 @@ class Pipeline::Opened {
   }
 
  private:
+  /// Copies an input into the execution context if there is one.
+  template <class RecordType>
+  Result<void> add(const std::optional<RecordType>& typed, const char* slot,
+                   host::NamedRecords& records) {
+    if (!typed) return {};
+    const std::string_view name = slot;
+    const std::vector<std::string>& given = pipeline_.config.given;
+    const bool is_given = std::find(given.begin(), given.end(), name) != given.end();
+    if (name != "image" && name != "time" && !is_given) {
+      return Error{Errc::invalid_value,
+                   "the pipeline was loaded without this input; add \"" + std::string(slot) +
+                       "\" to the inputs of its options",
+                   slot};
+    }
+    auto record = admitted(*context_, *typed, slot, frames_);
+    if (!record) return record.error();
+    if (auto legal = host::check_values((*record)->view(slot)); !legal) {
+      return named(legal.error(), slot);
+    }
+    records.emplace_back(slot, *std::move(record));
+    return {};
+  }
+
   host::Registry registry_;
   CheckedPipeline pipeline_;
   WarningLog warnings_;
@@ -207,6 +249,7 @@ Result<Pipeline> Pipeline::load(const std::string& file, const Camera& camera,
         "start it anew instead (in Python: multiprocessing's \"spawn\"), or open "
         "pipelines in the children alone");
   }
+  if (auto legal = check_inputs(options.inputs); !legal) return legal.error();
   auto opened = std::make_unique<Opened>(options.plugin_path);
   if (auto checked = opened->check(file, options); !checked) return checked.error();
   if (auto ready = opened->open(camera); !ready) return ready.error();
@@ -216,7 +259,11 @@ Result<Pipeline> Pipeline::load(const std::string& file, const Camera& camera,
 const Template& Pipeline::templ() const { return opened_->templ(); }
 
 Result<ProcessedFrame> Pipeline::process(const Image& image, double t_s) {
-  return opened_->process(image, t_s);
+  return opened_->process({.image = image}, t_s);
+}
+
+Result<ProcessedFrame> Pipeline::process(const FrameInputs& inputs, double t_s) {
+  return opened_->process(inputs, t_s);
 }
 
 }  // namespace weft

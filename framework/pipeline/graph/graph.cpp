@@ -13,12 +13,26 @@ namespace {
 constexpr int kLongestLag = 1000;  // [frames]
 constexpr int kRefused = -2;       // instead of a value: no further message is needed
 constexpr std::string_view kPrevious = "previous.";
+constexpr std::string_view kOther = "other_";  // inputs that only `from` fills
 constexpr const char* kOfHost[] = {"frame_report", "run_settings"};  // inputs of sinks that the
                                                                      // host provides
 
-/// Sources have a choice and declare their outputs. A program gives an image and its time.
+/// The slot of the values that an input can take: "shape" of "previous.shape" and "other_shape".
+std::string made_slot(const std::string& input) {
+  for (const std::string_view prefix : {kPrevious, kOther}) {
+    if (input.starts_with(prefix)) return input.substr(prefix.size());
+  }
+  return input;
+}
+
+/// Sources have a choice and declare their outputs. A program gives an image, its time, and what
+/// it announces.
 bool may_enter(const PipelineConfig& config, const std::string& slot) {
-  if (config.in_program) return slot == "image" || slot == "time";
+  if (config.in_program) {
+    const auto& given = config.given;
+    return slot == "image" || slot == "time" ||
+           std::find(given.begin(), given.end(), slot) != given.end();
+  }
   if (!config.source || config.source->component.installed == nullptr) return true;
   const auto& made = config.source->component.component().produces;
   return std::find(made.begin(), made.end(), slot) != made.end();
@@ -234,7 +248,7 @@ class Wiring {
     std::vector<int> values;
     for (const std::string& name : rule->names) {
       // Instead of the previous value a stage may take one of this frame, to refine it.
-      const std::string made = slot.substr(slot.starts_with(kPrevious) ? kPrevious.size() : 0);
+      const std::string made = made_slot(slot);
       const int value = name.starts_with(kPrevious) ? earlier(*rule, name) : named(made, name);
       if (value >= 0) values.push_back(value);
       if (value >= 0) continue;
@@ -270,8 +284,7 @@ class Wiring {
     const std::size_t at = std::min(name.find('@'), name.size());
     const std::string slot = name.substr(0, at);
     const std::string type = slot.substr(kPrevious.size());
-    const bool reads_previous = rule.slot.starts_with(kPrevious);
-    if (type != (reads_previous ? rule.slot.substr(rule.slot.find('.') + 1) : rule.slot)) {
+    if (type != made_slot(rule.slot)) {
       problems_.push_back({rule.at, "'" + rule.slot + "' cannot be read from " + quote(name)});
       return kRefused;
     }

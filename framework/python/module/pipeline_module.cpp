@@ -14,6 +14,7 @@
 #include <vector>
 #include <weft/core/index.hpp>
 #include <weft/data/owned.hpp>
+#include <weft/embedding/lens.hpp>
 #include <weft/embedding/pipeline.hpp>
 
 #include "numpy_arrays.hpp"
@@ -68,6 +69,63 @@ py::dict dict_of(const ProcessedFrame& frame) {
   return result;
 }
 
+using Pixels = py::array_t<std::uint8_t, 0>;
+template <class T>
+using Numbers = py::array_t<T, py::array::c_style>;
+/// Positions in the template and in the image, and covariances.
+using MatchArrays = std::tuple<Numbers<double>, Numbers<double>, std::optional<Numbers<double>>>;
+/// Vertices, positions and radii.
+using PointArrays = std::tuple<Numbers<std::int32_t>, Numbers<double>, Numbers<double>>;
+
+template <class T, int kFlags>
+Array<T> borrowed(const py::array_t<T, kFlags>& array) {
+  typename Array<T>::Shape shape{};
+  for (py::ssize_t axis = 0; axis < array.ndim(); ++axis) {
+    shape[to_index(axis)] = array.shape(axis);
+  }
+  const auto size = static_cast<std::int64_t>(sizeof(T));
+  const std::int64_t stride = array.ndim() > 0 ? array.strides(0) / size : 1;
+  return Array<T>::borrow(array.data(), static_cast<int>(array.ndim()), shape, stride);
+}
+
+/// Rows of `pixels` may have gaps between them, the elements of a row may not.
+Image image_of(const Pixels& pixels) {
+  if (pixels.ndim() > WEFT_MAX_DIMENSIONS) {
+    raise(
+        {Errc::invalid_data, "has too many axes; give [H,W] grey levels or [H,W,3] BGR", "image"});
+  }
+  Image image;
+  image.pixels = borrowed(pixels);
+  return image;
+}
+
+using CameraNumbers = std::tuple<double, double, double, double, std::int64_t, std::int64_t>;
+
+Camera camera_of(const CameraNumbers& numbers) {
+  const auto& [fx, fy, cx, cy, width_px, height_px] = numbers;
+  return {fx, fy, cx, cy, width_px, height_px};
+}
+
+std::unique_ptr<Lens> make_lens(const CameraNumbers& camera, bool is_fisheye,
+                                std::vector<double> coefficients) {
+  const auto model = is_fisheye ? Lens::Model::fisheye : Lens::Model::brown;
+  auto lens = Lens::make(camera_of(camera), model, std::move(coefficients));
+  if (!lens) raise(lens.error());
+  return std::make_unique<Lens>(*std::move(lens));
+}
+
+py::object undistorted(const Lens& lens, const Pixels& pixels) {
+  const auto ideal = lens.undistorted(image_of(pixels));
+  if (!ideal) raise(ideal.error());
+  return numpy_of(ideal->pixels);
+}
+
+py::object ideal_px(const Lens& lens, const Numbers<double>& seen_px) {
+  const auto ideal = lens.ideal_px(borrowed(seen_px));
+  if (!ideal) raise(ideal.error());
+  return numpy_of(*ideal);
+}
+
 /// Other threads of Python go on while it works; a second one that comes meanwhile is refused, for
 /// the order of the images would be left to chance.
 class OpenedPipeline {
@@ -105,20 +163,23 @@ class OpenedPipeline {
     return arrays;
   }
 
-  /// Rows of `pixels` may have gaps between them, the elements of a row may not.
-  py::dict process(const py::array_t<std::uint8_t, 0>& pixels, double t_s) {
-    if (pixels.ndim() > WEFT_MAX_DIMENSIONS) {
-      raise({Errc::invalid_data, "has too many axes; give [H,W] grey levels or [H,W,3] BGR",
-             "image"});
+  /// Each input may be None. Without `lens`, images and matches come from the ideal camera.
+  py::dict process(const std::optional<Pixels>& pixels, double t_s,
+                   const std::optional<MatchArrays>& matches,
+                   const std::optional<PointArrays>& known, const Lens* lens) {
+    FrameInputs inputs;
+    if (pixels) inputs.image = image_of(*pixels);
+    if (matches) {
+      const auto& [template_px, image_px, covariance_px2] = *matches;
+      inputs.correspondences =
+          matches_between(borrowed(template_px), borrowed(image_px),
+                          covariance_px2 ? borrowed(*covariance_px2) : Array<double>());
     }
-    Array<std::uint8_t>::Shape shape{};
-    for (py::ssize_t axis = 0; axis < pixels.ndim(); ++axis) {
-      shape[to_index(axis)] = pixels.shape(axis);
+    if (known) {
+      const auto& [vertex, points_m, radius_m] = *known;
+      inputs.known_points = vertices_at(borrowed(vertex), borrowed(points_m));
+      inputs.known_points->radius_m = borrowed(radius_m);
     }
-    const std::int64_t row_bytes = pixels.ndim() > 0 ? pixels.strides(0) : 1;
-    Image image;
-    image.pixels = Array<std::uint8_t>::borrow(pixels.data(), static_cast<int>(pixels.ndim()),
-                                               shape, row_bytes);
     const std::unique_lock alone(mutex_, std::try_to_lock);
     if (!alone) {
       raise({Errc::unsupported,
@@ -128,27 +189,39 @@ class OpenedPipeline {
     if (!pipeline_) raise({Errc::unsupported, "is closed; open it again", "pipeline"});
     auto frame = [&] {
       const py::gil_scoped_release others_go_on;
-      return pipeline_->process(image, t_s);
+      return processed(std::move(inputs), t_s, lens);
     }();
     if (!frame) raise(frame.error());
     return dict_of(*frame);
   }
 
  private:
+  Result<ProcessedFrame> processed(FrameInputs inputs, double t_s, const Lens* lens) {
+    if (lens != nullptr && inputs.image) {
+      auto ideal = lens->undistorted(*inputs.image);
+      if (!ideal) return ideal.error();
+      inputs.image = *std::move(ideal);
+    }
+    if (lens != nullptr && inputs.correspondences) {
+      auto ideal = lens->ideal_px(inputs.correspondences->image_px);
+      if (!ideal) return Error{ideal.error().code, ideal.error().message, "matches"};
+      inputs.correspondences->image_px = *std::move(ideal);
+    }
+    return pipeline_->process(inputs, t_s);
+  }
+
   std::mutex mutex_;
   std::optional<Pipeline> pipeline_;
   pid_t opener_ = getpid();
 };
 
-using CameraNumbers = std::tuple<double, double, double, double, std::int64_t, std::int64_t>;
-
 std::unique_ptr<OpenedPipeline> open_pipeline(const std::string& file, const CameraNumbers& camera,
-                                              Texts settings, Texts plugin_path,
+                                              Texts settings, Texts plugin_path, Texts inputs,
                                               std::string worker) {
-  const auto& [fx, fy, cx, cy, width_px, height_px] = camera;
   return std::make_unique<OpenedPipeline>(
-      file, Camera{fx, fy, cx, cy, width_px, height_px},
-      PipelineOptions{std::move(settings), std::move(plugin_path), std::move(worker)});
+      file, camera_of(camera),
+      PipelineOptions{std::move(settings), std::move(plugin_path), std::move(inputs),
+                      std::move(worker)});
 }
 
 }  // namespace
@@ -157,6 +230,11 @@ std::unique_ptr<OpenedPipeline> open_pipeline(const std::string& file, const Cam
 PYBIND11_MODULE(_pipeline, module) {
   using weft::python::OpenedPipeline;
   module.doc() = "What weft.Pipeline is made of; see there.";
+  using weft::Lens;
+  py::class_<Lens>(module, "Lens")
+      .def(py::init(&weft::python::make_lens))
+      .def("undistorted", &weft::python::undistorted)
+      .def("ideal_px", &weft::python::ideal_px);
   py::class_<OpenedPipeline>(module, "OpenedPipeline")
       .def(py::init(&weft::python::open_pipeline))
       .def("template", &OpenedPipeline::templ)

@@ -26,7 +26,7 @@ __all__ = [
 # access, so that a component needs neither it nor its compiled parts.
 _OF_PROGRAMS = {
     "Camera": "geometry", "Cell": "results", "Error": "errors", "Frame": "pipelines",
-    "Pipeline": "pipelines", "Results": "results", "Run": "runs", "RunFrame": "runs",
+    "KnownPoints": "inputs", "Lens": "inputs", "Matches": "inputs", "Pipeline": "pipelines", "Results": "results", "Run": "runs", "RunFrame": "runs",
     "Stage": "pipelines", "Template": "geometry", "draw": "drawing", "open_results": "results",
     "open_run": "runs",
 }

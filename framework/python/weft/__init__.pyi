@@ -25,6 +25,9 @@ from weft.programs.drawing import draw as draw
 from weft.programs.errors import Error as Error
 from weft.programs.geometry import Camera as Camera
 from weft.programs.geometry import Template as Template
+from weft.programs.inputs import KnownPoints as KnownPoints
+from weft.programs.inputs import Lens as Lens
+from weft.programs.inputs import Matches as Matches
 from weft.programs.pipelines import Frame as Frame
 from weft.programs.pipelines import Pipeline as Pipeline
 from weft.programs.pipelines import Stage as Stage

@@ -9,6 +9,7 @@ import tempfile
 import unittest
 
 import numpy as np
+import weft
 from PIL import Image
 
 WEFT, ROOT = sys.argv[1], pathlib.Path(sys.argv[2])
@@ -44,6 +45,17 @@ sinks: [{{use: sinks/dataset, as: kept, params: {{path: kept, dense_truth: false
         self.assertRegex(lines[0], "black.png: none: .*no keypoints")
         for line in lines[1:]:
             self.assertRegex(line, r"estimated, confidence (0\.9\d|1\.00), centre at -?0\.00\d -?0\.00\d 0\.45\d m$")
+
+    def test_give_matches_from_memory_the_shapes_that_files_give(self):
+        pipeline = str(ROOT / "pipelines/matches.yaml")
+        subprocess.run([WEFT, "run", pipeline, "--quiet", "--out", "of_files"], check=True, cwd=self.folder,
+                       stdout=subprocess.DEVNULL)
+        tables = sorted(map(str, (ROOT / "pipelines/data/match_set/matches").glob("*.csv")))
+        lines = self.said_by("own_matches.py", pipeline, *tables).splitlines()
+        run = weft.open_run(self.folder / "of_files")
+        expected = [f"{state}, {int(kept)} of 300 matches kept"
+                    for state, kept in zip(run.states, run.stage("filters", "kept"))]
+        self.assertEqual([line.rpartition(": ")[2] for line in lines], expected)
 
     def test_plot_the_errors_of_a_run(self):
         self.assertRegex(self.said_by("plot_errors.py", "run", "errors.png"), f"^{FRAMES} of {FRAMES} frames with an error")

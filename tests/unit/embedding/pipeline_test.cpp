@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -286,6 +287,50 @@ TEST_F(Embedding, GivesShapesThatOutliveIt) {
   EXPECT_EQ(shape->vertices_m.rows(), 30);
   EXPECT_NEAR(shape->vertices_m(0, 2), 0.2, 1e-9);
   EXPECT_GE(shape->diag.value("draw", -1.0), 0.0);
+}
+
+/// Stages that need matches, which nothing in the file makes.
+const std::string kOfMatches = testing::head() +
+                               "stages:\n  - {use: filters/test.scripted}\n"
+                               "  - {use: warps/test.scripted}\n  - {use: passes/test.scripted}\n"
+                               "  - {use: solvers/test.scripted}\n";
+
+TEST_F(Embedding, TakesMatchesInsteadOfAnImageIfTheyAreAnnounced) {
+  EXPECT_THAT(load(kOfMatches).error().message, HasSubstr("no program hands in"));
+  PipelineOptions options = with();
+  options.inputs = {"correspondences"};
+  Pipeline pipeline = opened(kOfMatches, options);
+  FrameInputs inputs;
+  inputs.correspondences = matches_between(pipeline.templ().flat_px, Array<double>({30, 2}, 50.0));
+  const auto frame = pipeline.process(inputs, 0.0);
+  ASSERT_TRUE(frame) << frame.error().where << ": " << frame.error().message;
+  EXPECT_TRUE(frame->shape) << frame->report;
+  EXPECT_THAT(frame->report, HasSubstr("\"kept\":30"));
+  const auto without = pipeline.process(grey(120, 160), 0.1);
+  ASSERT_TRUE(without) << without.error().message;
+  EXPECT_EQ(without->stages[0].status, "skipped");
+}
+
+TEST_F(Embedding, RefusesInputsThatAreNotAnnouncedOrDoNotFitWithTheirNames) {
+  PipelineOptions options = with();
+  options.inputs = {"matches"};
+  EXPECT_EQ(load(kOfMatches, options).error().where, "inputs");
+  options.inputs = {"correspondences"};
+  Pipeline pipeline = opened(kOfMatches, options);
+  FrameInputs inputs;
+  inputs.known_points = vertices_at(Array<std::int32_t>({1}, 0), Array<double>({1, 3}, 0.5));
+  EXPECT_THAT(pipeline.process(inputs, 0.0).error().message,
+              HasSubstr("add \"known_points\" to the inputs of its options"));
+  const auto refused = [&](const Array<double>& image_px, const Array<double>& covariance_px2) {
+    FrameInputs wrong;
+    wrong.correspondences = matches_between(pipeline.templ().flat_px, image_px, covariance_px2);
+    const auto frame = pipeline.process(wrong, 0.0);
+    return frame ? "nothing" : frame.error().where;
+  };
+  EXPECT_EQ(refused(Array<double>({29, 2}, 50.0), {}), "correspondences");
+  EXPECT_EQ(refused(Array<double>({30, 3}, 50.0), {}), "correspondences");
+  EXPECT_EQ(refused(Array<double>({30, 2}, std::nan("")), {}), "correspondences");
+  EXPECT_EQ(refused(Array<double>({30, 2}, 50.0), Array<double>({30, 2}, 1.0)), "correspondences");
 }
 
 TEST_F(Embedding, TakesRowsWithAStride) {

@@ -11,6 +11,7 @@
 #include <weft/data/image.hpp>
 #include <weft/data/shape.hpp>
 #include <weft/data/template.hpp>
+#include <weft/embedding/frame_inputs.hpp>
 
 namespace weft {
 
@@ -21,6 +22,9 @@ struct PipelineOptions {
   /// Plugin folders, searched before WEFT_PLUGIN_PATH and before ../lib/weft/plugins of the running
   /// program.
   std::vector<std::string> plugin_path{};
+  /// Inputs of process() beside image and time that the stages may read: "correspondences",
+  /// "known_points".
+  std::vector<std::string> inputs{};
   /// Path of the program weft-worker, for stages with `isolate: process`; empty: next to the
   /// running program.
   std::string worker{};
@@ -81,6 +85,12 @@ class Pipeline {
   /// The image does not fit the camera, `t_s` is before the last image's time (equal is legal), or
   /// the process was forked after load().
   Result<ProcessedFrame> process(const Image& image, double t_s);
+
+  /// The same with matches and known points beside the image or instead of it. A stage without a
+  /// required input is skipped. An Error also means an input that does not fit: its `where` names
+  /// it. PipelineOptions::inputs does not name it, its lengths disagree, a value is not finite, or
+  /// the template has no such vertex.
+  Result<ProcessedFrame> process(const FrameInputs& inputs, double t_s);
 
  private:
   class Opened;

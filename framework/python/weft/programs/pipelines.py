@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from weft.programs import notebooks
 from weft.programs.errors import Error
 from weft.programs.geometry import Camera, Template
+from weft.programs.inputs import KnownPoints, Lens, Matches
 
 # `lib` of the tree in which this package stands, installed or built.
 LIB = pathlib.Path(os.path.abspath(__file__)).parents[4]
@@ -79,7 +80,8 @@ class Pipeline:
             for image in images:
                 frame = pipeline.process(image)
 
-    `camera` took the images, undistorted. `set` is laid over the file, as by `weft run --set`. Plugins are
+    `camera` took the images: a Camera, undistorted, or a Lens, as they come. `inputs` names what process() gets
+    beside images, "matches" and "known_points"; stages read only what is named. `set` is laid over the file, as by `weft run --set`. Plugins are
     looked for in the folders `plugin_path`, then in WEFT_PLUGIN_PATH, then where Weft is installed; `worker`
     is the program weft-worker, where it is not the installed one. Image n is taken to be of the time n / `fps`, in
     s, unless process() is told its own.
@@ -88,11 +90,14 @@ class Pipeline:
     One thread at a time may use it; different pipelines work at the same time in threads of their own.
     """
 
-    def __init__(self, file: str | os.PathLike[str], camera: Camera, *, set: Mapping[str, Any] | None = None,
+    def __init__(self, file: str | os.PathLike[str], camera: Camera | Lens, *, set: Mapping[str, Any] | None = None,
+                 inputs: Iterable[str] = (),
                  plugin_path: str | os.PathLike[str] | Iterable[str | os.PathLike[str]] = (),
                  worker: str | os.PathLike[str] | None = None, fps: float = 30.0) -> None:
+        self._lens = camera if isinstance(camera, Lens) else None
+        camera = camera.camera if isinstance(camera, Lens) else camera
         if not isinstance(camera, Camera):
-            raise TypeError(f"camera must be a weft.Camera, not {type(camera).__name__}; "
+            raise TypeError(f"camera must be a weft.Camera or a weft.Lens, not {type(camera).__name__}; "
                             "make one of a camera matrix with weft.Camera.of_matrix()")
         if not fps > 0:
             raise ValueError(f"fps must be above 0, not {fps}")
@@ -100,7 +105,8 @@ class Pipeline:
         folders = [plugin_path] if isinstance(plugin_path, (str, os.PathLike)) else plugin_path
         self._opened = compiled().OpenedPipeline(
             os.fspath(file), dataclasses.astuple(camera), settings_of(set or {}),
-            [*(os.fspath(each) for each in folders), *installed_plugins()], os.fspath(worker or installed_worker()))
+            [*(os.fspath(each) for each in folders), *installed_plugins()], slots_of(inputs),
+            os.fspath(worker or installed_worker()))
         self._template = Template(**self._opened.template())
 
     @property
@@ -113,16 +119,25 @@ class Pipeline:
         """The object at rest, whose faces are those of every shape; it stays when the pipeline is closed."""
         return self._template
 
-    def process(self, image: NDArray[np.uint8], t_s: float | None = None) -> Frame:
-        """Runs all stages on an image of the camera's size, uint8 [H,W] grey levels or [H,W,3] BGR, undistorted,
-        and answers its Frame. `t_s`: seconds since the first image.
+    def process(self, image: NDArray[np.uint8] | None = None, t_s: float | None = None, *,
+                matches: Matches | None = None, known_points: KnownPoints | None = None) -> Frame:
+        """Runs all stages on an image of the camera's size, uint8 [H,W] grey levels or [H,W,3] BGR, and answers its
+        Frame. `t_s`: seconds since the first image. `matches` and `known_points` need their names in `inputs`; with
+        one of them there need be no image. A stage without a required input is skipped.
 
         The image is read while other threads of Python go on: leave it alone until process() returns, then it is
         yours again. An image that cannot be one of the camera raises TypeError or Error, and counts for nothing.
         What stages do not find, or do not manage, is a Frame that says so. Ctrl-C acts when the image is done.
         """
-        pixels = pixels_of(image)
-        frame = self._opened.process(pixels, self._images / self._fps if t_s is None else float(t_s))
+        has_others = matches is not None or known_points is not None
+        pixels = None if image is None and has_others else pixels_of(image)
+        for name, given, kind in (("matches", matches, Matches), ("known_points", known_points, KnownPoints)):
+            if given is not None and not isinstance(given, kind):
+                raise TypeError(f"{name} must be a weft.{kind.__name__}, not {type(given).__name__}")
+        frame = self._opened.process(pixels, self._images / self._fps if t_s is None else float(t_s),
+                                     matches.arrays if matches is not None else None,
+                                     known_points.arrays if known_points is not None else None,
+                                     self._lens.made if self._lens is not None else None)
         self._images += 1
         frame["stages"] = [Stage(*each) for each in frame["stages"]]
         return Frame(**frame, faces=self._template.faces)
@@ -148,6 +163,16 @@ def compiled() -> Any:
             "weft.Pipeline needs the compiled part of this package, which is not there for this Python: build Weft "
             f"with pybind11 (Debian: pybind11-dev), or use the Python that it was built for ({missing})") from None
     return _pipeline
+
+
+def slots_of(inputs: Iterable[str]) -> list[str]:
+    """The names of the library for those of process()."""
+    names = {"matches": "correspondences", "known_points": "known_points"}
+    given = [inputs] if isinstance(inputs, str) else list(inputs)
+    for each in given:
+        if each not in names:
+            raise Error(f"{each!r} is no input; there are " + " and ".join(map(repr, names)), "inputs", "invalid_value")
+    return [names[each] for each in given]
 
 
 def pixels_of(image: Any) -> NDArray[np.uint8]:
