@@ -145,7 +145,7 @@ class Run {
     const StageMaker maker{*context_, loop_->input().templ(), loop_->input().camera()};
     steering_ = std::make_unique<Steering>(
         ChangeMaker(pipeline_, maker, check), loop_->executor(), std::move(sinks),
-        options_.repeated ? options_.repeated->changes : ChangesByFrame());
+        options_.repeated ? options_.repeated->changes : ChangesByFrame(), recorder_->folder());
   }
 
   void take_all_frames() {

@@ -83,6 +83,7 @@ Result<std::size_t> ChangeMaker::stage_of(const std::string& setting) const {
 }
 
 Result<PipelineChange> ChangeMaker::changed(std::size_t stage, CheckedPipeline checked) {
+  checked.config.file = pipeline_.config.file;  // not the copy in the run folder
   PipelineChange change{{}, settings_json(checked.config)};
   if (!reads_the_same(checked.graph.stages[stage], pipeline_.graph.stages[stage])) {
     return refused("'" + pipeline_.config.stages[stage].name +
@@ -96,6 +97,27 @@ Result<PipelineChange> ChangeMaker::changed(std::size_t stage, CheckedPipeline c
   components_[stage] = std::move(component);
   change.stages.push_back({stage, config, *std::move(made)});
   return change;
+}
+
+Result<std::string> ChangeMaker::yaml() const {
+  std::string text = effective_yaml(pipeline_.config);
+  if (settings_.empty()) return text;
+  const auto checked = check_(settings_);
+  if (!checked) return checked.error();
+  // Stages that did not change keep their variables instead of secrets.
+  auto begun = yaml::parse(text, "pipeline.yaml");
+  auto now = yaml::parse(effective_yaml(checked->config), "pipeline.yaml");
+  if (!begun) return begun.error();
+  if (!now) return now.error();
+  const yaml::Node* stages = now->root.find("stages");
+  for (yaml::Entry& entry : begun->root.entries) {
+    if (entry.key != "stages" || stages == nullptr) continue;
+    for (std::size_t i = 0; i < components_.size(); ++i) {
+      if (components_[i] == component_of(pipeline_.config.stages[i])) continue;
+      entry.value.items[i] = stages->items[i];
+    }
+  }
+  return yaml::emit(begun->root);
 }
 
 void ChangeMaker::discard(const PipelineChange& change) const {

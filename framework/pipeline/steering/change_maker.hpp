@@ -40,6 +40,9 @@ class ChangeMaker {
   /// before stay.
   Result<PipelineChange> make(const std::string& setting);
 
+  /// The pipeline with all changes so far, as YAML without secrets.
+  Result<std::string> yaml() const;
+
   /// Discards a change that is not needed any more.
   void discard(const PipelineChange& change) const;
 

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <weft/core/quote.hpp>
 
+#include "pipeline/steering/settings_file.hpp"
+
 namespace weft {
 namespace {
 
@@ -15,11 +17,12 @@ void tell(const host::Instance& sink, const ChangeAnswer& answer) {
 }  // namespace
 
 Steering::Steering(ChangeMaker maker, Executor& executor, std::vector<const host::Instance*> sinks,
-                   ChangesByFrame repeated)
+                   ChangesByFrame repeated, std::string folder)
     : maker_(std::move(maker)),
       executor_(executor),
       sinks_(std::move(sinks)),
       repeated_(std::move(repeated)),
+      folder_(std::move(folder)),
       thread_([this] { make_all(); }) {}
 
 Steering::~Steering() {
@@ -55,6 +58,7 @@ void Steering::hear(const host::Instance& sink, const ChangeRequest& request) {
   if (request.text.starts_with(kSet)) {
     return ask({&sink, request.number, request.text.substr(kSet.size())});
   }
+  if (request.text == "save") return ask({&sink, request.number, ""});
   static constexpr std::pair<std::string_view, Pace> kPaces[] = {{"pause", Pace::pausing},
                                                                  {"step", Pace::stepping},
                                                                  {"resume", Pace::going},
@@ -66,7 +70,7 @@ void Steering::hear(const host::Instance& sink, const ChangeRequest& request) {
   }
   tell(sink, {request.number, 0,
               "no run accepts " + quote(request.text) +
-                  "; send set PATH=VALUE, pause, step, resume or stop"});
+                  "; send set PATH=VALUE, save, pause, step, resume or stop"});
 }
 
 void Steering::ask(Asked asked) {
@@ -86,6 +90,12 @@ void Steering::make_all() {
     asked_.pop_front();
     is_making_ = true;
     lock.unlock();
+    if (asked.setting.empty()) {
+      save(asked);
+      lock.lock();
+      is_making_ = false;
+      continue;
+    }
     auto change = maker_.make(asked.setting);
     if (!change && asked.sink != nullptr) {
       tell(*asked.sink, {asked.number, 0, change.error().message});
@@ -102,6 +112,14 @@ void Steering::make_all() {
     }
     changed_.notify_all();
   }
+}
+
+/// The settings with all changes that were requested before.
+void Steering::save(const Asked& asked) const {
+  const auto text = maker_.yaml();
+  const auto number = text ? save_settings(folder_, *text) : Result<std::uint64_t>(text.error());
+  if (number) return tell(*asked.sink, {asked.number, *number, ""});
+  tell(*asked.sink, {asked.number, 0, number.error().message});
 }
 
 /// Waits for the changes of an earlier run up to this frame.

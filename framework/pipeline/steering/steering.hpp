@@ -16,15 +16,15 @@
 
 namespace weft {
 
-/// Lets clients of the sinks change a run, pause and end it; or an earlier run, whose changes are
-/// repeated at their frames. Changes are made in a separate thread. All functions are for the
-/// thread that begins frames.
+/// Lets clients of the sinks change a run, save its settings, pause and end it; or an earlier run,
+/// whose changes are repeated at their frames. Changes are made in a separate thread. All functions
+/// are for the thread that begins frames.
 class Steering {
  public:
-  /// `sinks` are those at which users may steer. The executor and its execution context outlive
-  /// this object.
+  /// `sinks` are those at which users may steer, and `folder` is that of the run, for settings that
+  /// they save. The executor and its execution context outlive this object.
   Steering(ChangeMaker maker, Executor& executor, std::vector<const host::Instance*> sinks,
-           ChangesByFrame repeated);
+           ChangesByFrame repeated, std::string folder);
 
   /// Ends the thread. Changes that reached no frame are discarded.
   ~Steering();
@@ -51,7 +51,7 @@ class Steering {
   struct Asked {
     const host::Instance* sink = nullptr;  ///< null: an earlier run
     std::uint64_t number = 0;              ///< identifier that the sink assigned
-    std::string setting;
+    std::string setting;                   ///< empty: to save the settings
   };
   struct Made {
     Asked asked;
@@ -64,11 +64,13 @@ class Steering {
   void ask(Asked asked);
   Result<void> repeat(std::uint64_t frame);
   void make_all();
+  void save(const Asked& asked) const;
 
   ChangeMaker maker_;  ///< for the thread
   Executor& executor_;
   std::vector<const host::Instance*> sinks_;
   ChangesByFrame repeated_;
+  std::string folder_;
   Pace pace_ = Pace::going;
   std::uint64_t next_frame_ = 0;  ///< the least number that it can have
   std::vector<Asked> applied_;    ///< changes that the current frame applies

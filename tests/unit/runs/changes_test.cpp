@@ -4,9 +4,12 @@
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "pipeline/steering/settings_file.hpp"
 #include "pipeline/steering/settings_json.hpp"
 #include "support/pipeline_fixture.hpp"
 
@@ -149,6 +152,53 @@ TEST_F(Changes, APausedRunGoesOnFrameByFrameAndThenByItself) {
   ASSERT_TRUE(ran.summary) << ran.summary.error().message;
   EXPECT_EQ(ran.summary->frames, 40);
   EXPECT_THAT(answers(ran), SizeIs(4));
+}
+
+TEST_F(Changes, SavedSettingsAreAPipelineThatRunsWithThemAndReplaceNoFile) {
+  const Ran ran = steer(
+      "0: save, 0a: set filters.every=5, 0b: save, 0c: set filters.evry=5, "
+      "0d: save",
+      kLong);
+  ASSERT_TRUE(ran.summary) << ran.summary.error().message;
+  const std::vector<std::string> lines = answers(ran);
+  for (const char* saved : {"answer 0 frame 1 ", "answer 2 frame 2 ", "answer 4 frame 3 "}) {
+    EXPECT_THAT(lines, ::testing::Contains(saved));
+  }
+  const auto every = [&](const std::string& file) {
+    const auto [pipeline, report] = check_pipeline(ran.folder + "/" + file, registry_, path("out"));
+    EXPECT_TRUE(report.ok()) << report.text();
+    const json settings = json::parse(settings_json(pipeline.config));
+    for (const json& each : settings["stages"]) {
+      for (const json& parameter : each["parameters"]) {
+        if (parameter["setting"] == "filters.every") return parameter["value"].get<int>();
+      }
+    }
+    return -1;
+  };
+  EXPECT_EQ(read_text(ran.folder + "/settings-1.yaml"), read_text(ran.folder + "/pipeline.yaml"));
+  EXPECT_EQ(every("settings-1.yaml"), 0);
+  EXPECT_EQ(every("settings-2.yaml"), 5);
+  EXPECT_EQ(every("settings-3.yaml"), 5);
+}
+
+TEST(SettingsFile, ReplacesNoFileAndExplainsWhyNothingIsSaved) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(::testing::TempDir()) / "weft_settings_file";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  std::ofstream(folder / "settings-2.yaml") << "mine";
+  for (const std::uint64_t number : {1U, 3U, 4U}) {
+    const auto saved = save_settings(folder.string(), "weft: 1\n");
+    ASSERT_TRUE(saved) << saved.error().message;
+    EXPECT_EQ(*saved, number);
+  }
+  EXPECT_EQ(read_text((folder / "settings-2.yaml").string()), "mine");
+  EXPECT_EQ(read_text((folder / "settings-4.yaml").string()), "weft: 1\n");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 4) << "nothing unfinished is left";
+  fs::remove_all(folder);
+  const auto gone = save_settings(folder.string(), "weft: 1\n");
+  ASSERT_FALSE(gone);
+  EXPECT_THAT(gone.error().message, HasSubstr("it is no folder any more; save in the browser"));
 }
 
 TEST_F(Changes, TheEndIsTheEndOfARunThatStoppedEarly) {
