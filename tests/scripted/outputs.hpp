@@ -64,7 +64,7 @@ class LineSink final : public weft::Sink {
 /// frames are slow, so that the run still continues when it is granted on a busy machine.
 class SteeringSink final : public weft::Sink {
  public:
-  static constexpr weft::About kAbout{.reads = "frame_report run_settings"};
+  static constexpr weft::About kAbout{.reads = "other_shape frame_report run_settings"};
 
   explicit SteeringSink(weft::Params& p) {
     p.labels("wishes", requests_, "frames written before, and a letter; the wish");

@@ -147,7 +147,7 @@ HostRecord Scene::record(std::string_view slot) const {
   if (slot == "warp_samples") return hold(warp_samples);
   if (slot == "sightlines") return hold(sightlines);
   if (slot == "visibility" || slot == "previous.visibility") return hold(visibility);
-  if (slot == "shape" || slot == "previous.shape") return hold(shape);
+  if (slot == "shape" || slot == "previous.shape" || slot == "other_shape") return hold(shape);
   if (slot == "known_points") return hold(known_points);
   if (slot == "ground_truth") return hold(ground_truth);
   if (slot == "frame_report") return hold(frame_report);

@@ -51,6 +51,16 @@ std::vector<float> points_of(const GroundTruth& truth) {
   return points;
 }
 
+std::vector<float> vertices_of(const Shape& shape) {
+  std::vector<float> vertices_m;
+  vertices_m.reserve(to_index(3 * shape.vertices_m.rows()));
+  for (std::int64_t v = 0; v < shape.vertices_m.rows(); ++v) {
+    const double* xyz = shape.vertices_m.row(v);
+    for (int i = 0; i < 3; ++i) vertices_m.push_back(static_cast<float>(xyz[i]));
+  }
+  return vertices_m;
+}
+
 std::string jpeg_of(const Array<std::uint8_t>& pixels, const PictureStyle& style) {
   if (!pixels.present() || pixels.size() == 0) return {};
   cv::Mat picture(static_cast<int>(pixels.dim(0)), static_cast<int>(pixels.dim(1)),

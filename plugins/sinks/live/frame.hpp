@@ -38,6 +38,8 @@ struct MatchCopy {
 /// The texture has that size, [] px.
 MatchCopy copy_of(const Correspondences& matches, double texture_width_px,
                   double texture_height_px);
+/// [V,3] m, camera frame.
+std::vector<float> vertices_of(const Shape& shape);
 /// [T,3] m, camera frame: points and cloud of the ground truth, evenly selected where there are
 /// many.
 std::vector<float> points_of(const GroundTruth& truth);
@@ -53,6 +55,7 @@ struct FrameCopy {
   std::vector<std::uint8_t> visible;  ///< [V] 0 or 1; empty where unknown
   MatchCopy matches;                  ///< empty where the pipeline has none
   std::vector<float> truth_m;         ///< [T,3] m, camera frame; empty where unknown
+  std::vector<float> other_m;         ///< [V,3] m, camera frame: another stage's shape, or empty
   ShapeState state = ShapeState::none;
   std::string report;  ///< one JSON object; empty where there is none
 };

@@ -19,7 +19,8 @@ class Live final : public Sink {
  public:
   static constexpr About kAbout{
       .reads =
-          "image time correspondences visibility shape ground_truth frame_report run_settings"};
+          "image time correspondences visibility shape other_shape ground_truth "
+          "frame_report run_settings"};
 
   explicit Live(Params& p) {
     p.text("address", address_,
@@ -80,8 +81,9 @@ class Live final : public Sink {
 
   Result<void> write(const SinkInput& in) override {
     if (!server_) return Error{Errc::io, "the live view is not open"};
-    if (in.shape) {
-      if (auto fits = check_shape(*in.shape); !fits) return fits;
+    for (const auto* shape : {&in.shape, &in.other_shape}) {
+      if (!*shape) continue;
+      if (auto fits = check_shape(**shape); !fits) return fits;
     }
     if (in.run_settings && in.run_settings->revision != settings_revision_) {
       settings_revision_ = in.run_settings->revision;
@@ -147,13 +149,10 @@ class Live final : public Sink {
       shown.matches = copy_of(*in.correspondences, texture_width_px_, texture_height_px_);
     }
     if (in.ground_truth) shown.truth_m = points_of(*in.ground_truth);
+    if (in.other_shape) shown.other_m = vertices_of(*in.other_shape);
     if (!in.shape) return shown;
     shown.state = in.shape->shape_state();
-    shown.vertices_m.reserve(to_index(3 * vertex_count_));
-    for (std::int64_t v = 0; v < vertex_count_; ++v) {
-      const double* xyz = in.shape->vertices_m.row(v);
-      for (int i = 0; i < 3; ++i) shown.vertices_m.push_back(static_cast<float>(xyz[i]));
-    }
+    shown.vertices_m = vertices_of(*in.shape);
     if (in.visibility && in.visibility->visible.rows() == vertex_count_) {
       for (std::int64_t v = 0; v < vertex_count_; ++v) {
         shown.visible.push_back(in.visibility->visible(v));

@@ -98,7 +98,8 @@ std::vector<Part> parts_of(const FrameCopy& frame, const std::string& jpeg) {
                              part_of("match_uv", "f32", frame.matches.uv),
                              part_of("match_kept", "u8", frame.matches.kept),
                              part_of("match_score", "f32", frame.matches.score),
-                             part_of("truth_m", "f32", frame.truth_m)};
+                             part_of("truth_m", "f32", frame.truth_m),
+                             part_of("other_m", "f32", frame.other_m)};
   parts.erase(
       std::remove_if(parts.begin(), parts.end(), [](const Part& part) { return part.bytes == 0; }),
       parts.end());

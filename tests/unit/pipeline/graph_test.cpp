@@ -146,6 +146,29 @@ TEST_F(Wiring, LetsAStageRefineWhatAnotherMadeInTheSameFrame) {
               HasSubstr("'warps' makes warp, warp_samples, not 'shape'"));
 }
 
+TEST_F(Wiring, GivesASinkTheShapeOfAnotherStageWhereFromNamesIt) {
+  const auto shown = [](const std::string& from) {
+    const std::string text =
+        chain() + "  - {use: sinks/test.steering, as: wheel, params: {path: w.txt}" + from + "}\n";
+    std::string both = text;
+    return both.insert(both.find("sinks:"), "  - {use: solvers/test.scripted, as: refined}\n");
+  };
+  const auto other = [](const Graph& graph) -> const InputLink* {
+    for (const InputLink& link : graph.sinks.back().inputs) {
+      if (link.slot == "other_shape") return &link;
+    }
+    return nullptr;
+  };
+  const Graph graph = wired(shown(", from: {other_shape: solvers}"));
+  ASSERT_NE(other(graph), nullptr);
+  const ValueInfo& value = graph.values[to_index(other(graph)->value)];
+  EXPECT_EQ(value.slot, "shape");
+  EXPECT_EQ(value.name, "solvers");
+  EXPECT_EQ(other(wired(shown(""))), nullptr) << "it has none by itself";
+  EXPECT_THAT(check(shown(", from: {other_shape: warps}")).second.text(),
+              HasSubstr("'warps' makes warp, warp_samples, not 'shape'"));
+}
+
 TEST_F(Wiring, RefusesEarlierFramesThatCannotBe) {
   const auto refusal = [&](const std::string& from) {
     const auto found = lines(check(head() +

@@ -33,7 +33,7 @@ namespace weft {
 ///   solvers solve: template*, camera*, sightlines, correspondences, warp, image, visibility,
 ///       known_points, object_mask, previous.shape -> shape*
 ///   sinks write: image, camera, time, template, keypoints, correspondences, warp, warp_samples,
-///       sightlines, visibility, shape, ground_truth, frame_report, run_settings
+///       sightlines, visibility, shape, other_shape, ground_truth, frame_report, run_settings
 inline std::vector<Role> all_roles() {
   return {Source::role(),  TemplateBuilder::role(), Detector::role(),
           Matcher::role(), Filter::role(),          WarpModel::role(),

@@ -21,7 +21,8 @@ struct SinkInput {
   OptionalInput<WarpSamples> warp_samples{};
   OptionalInput<Sightlines> sightlines{};
   OptionalInput<Visibility> visibility{};
-  OptionalInput<Shape> shape{};  ///< includes `predicted` and `lost` shapes: check its state
+  OptionalInput<Shape> shape{};        ///< includes `predicted` and `lost` shapes: check its state
+  OptionalInput<Shape> other_shape{};  ///< made by the stage that `from` names
   OptionalInput<GroundTruth> ground_truth{};
   OptionalInput<FrameReport> frame_report{};
   OptionalInput<RunSettings> run_settings{};  ///< settings that apply to this frame
@@ -39,6 +40,7 @@ struct SinkInput {
     visit("sightlines", self.sightlines);
     visit("visibility", self.visibility);
     visit("shape", self.shape);
+    visit("other_shape", self.other_shape);
     visit("ground_truth", self.ground_truth);
     visit("frame_report", self.frame_report);
     visit("run_settings", self.run_settings);

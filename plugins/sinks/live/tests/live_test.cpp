@@ -141,6 +141,32 @@ TEST_F(LiveSink, FindsThePortTakenByOneRunOnly) {
   EXPECT_EQ(status_of(answer_to(port_, request_for("/", port_))), "200");
 }
 
+TEST_F(LiveSink, SendsTheShapeOfAnotherStageBesideThatOfTheFrame) {
+  PluginUnderTest sink("sinks/live", params());
+  ASSERT_EQ(open(sink).status, WEFT_OK);
+  Viewer viewer(port_);
+  viewer.text();
+  viewer.ready();
+  Shape other = shape_;
+  other.vertices_m = Array<double>({4, 3}, 0.75);
+  const auto written =
+      sink.process(kWrite, {input("shape", shape_), input("other_shape", other)}, 0);
+  ASSERT_EQ(written.status, WEFT_OK) << written.message;
+  const Decoded decoded = viewer.frame();
+  const auto first_of = [&](const char* part) {
+    float number = 0;
+    std::memcpy(&number, decoded.parts.at(part).data(), sizeof(number));
+    return number;
+  };
+  EXPECT_EQ(decoded.parts.at("other_m").size(), 48U);
+  EXPECT_EQ(first_of("vertices_m"), 0.5F);
+  EXPECT_EQ(first_of("other_m"), 0.75F);
+  other.vertices_m = Array<double>({3, 3}, 0.75);
+  other.source = Array<std::uint8_t>({3}, 0);
+  EXPECT_THAT(sink.process(kWrite, {input("other_shape", other)}, 1).message,
+              HasSubstr("3 vertices, the template 4"));
+}
+
 TEST_F(LiveSink, RefusesAShapeThatIsNoShapeOfThisTemplate) {
   PluginUnderTest sink("sinks/live", params());
   ASSERT_EQ(open(sink).status, WEFT_OK);

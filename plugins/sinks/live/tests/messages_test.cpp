@@ -129,6 +129,9 @@ TEST(LiveMessages, HoldMatchesAndTruthOfAFrame) {
   frame.written = 5;
   frame.matches = copy_of(matches, 40.0, 20.0);
   frame.truth_m = points_of(truth);
+  Shape other;
+  other.vertices_m = Array<double>({4, 3}, 0.25);
+  frame.other_m = vertices_of(other);
   const Decoded decoded = decode(frame_message(frame, ""));
   EXPECT_EQ(decoded.head["written"], 5);
   EXPECT_EQ(decoded.head["matches"], 2);
@@ -139,6 +142,7 @@ TEST(LiveMessages, HoldMatchesAndTruthOfAFrame) {
   EXPECT_EQ(decoded.parts.at("match_kept"), std::string("\x01\x00", 2));
   EXPECT_EQ(numbers_of<float>(decoded.parts.at("match_score")), (std::vector<float>{0.25F, 0.25F}));
   EXPECT_EQ(numbers_of<float>(decoded.parts.at("truth_m")).size(), 9U);
+  EXPECT_EQ(numbers_of<float>(decoded.parts.at("other_m")), std::vector<float>(12, 0.25F));
 }
 
 TEST(LiveMessages, HoldAnEvenSelectionOfVeryManyMatches) {
