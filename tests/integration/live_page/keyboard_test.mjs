@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { expect_accessible } from "./accessibility.mjs";
 import { eventually, use_live_page } from "./live_page.mjs";
+import { unzipped } from "./unzipped.mjs";
 import { bent, matches_of, report_of } from "./scene.mjs";
 
 const web = process.argv[2];
@@ -101,6 +102,8 @@ await use_live_page(async (live) => {
     await reach(button);
     await press("Enter");
     await requested(command);
+    // A step pauses the run, and the page learns it from its answer.
+    await live.until_text("#play", command === "step" ? "Play" : "Pause");
   }
   await reach("#back");
   await press("Enter");
@@ -164,11 +167,13 @@ await use_live_page(async (live) => {
   await reach("#colouring");
   await changes_pixels("#mesh", () => press("ArrowDown"));
   await press("ArrowUp");
-  await live.show(32, { truth_m: [0, 0, 0.5, 0.1, 0, 0.5], ...matches_of(32) });
+  const other_m = bent(40);
+  await live.show(32, { truth_m: [0, 0, 0.5, 0.1, 0, 0.5], other_m, ...matches_of(32) });
   await reach("#beside");
-  for (const words of ["frame 31", "ground truth"]) {
+  for (const words of ["frame 31", "other shape", "ground truth"]) {
     await changes_pixels("#mesh", () => press("ArrowDown"));
     await live.until_text("#legend .beside", words);
+    if (words === "other shape") await live.shot("other_shape");
   }
   for (const from of ["front", "side", "top", "fit"]) {
     await reach(`[data-view-from=${from}]`);
@@ -196,6 +201,49 @@ await use_live_page(async (live) => {
   await reach("#surroundings");
   await press("Space");
   await live.show(34);
+
+  // The run saves its settings.
+  await leave();
+  await press("w");
+  await requested("save");
+  await live.until_text("#saved", "Saved as settings-1.yaml");
+
+  // A template of the frame: a ring moves by arrow keys, and the files make a pipeline.
+  const template_files = await live.downloads();
+  await leave();
+  await press("n");
+  await live.until_text("#template-dialog output", "Give the width");
+  await press("ArrowRight", "ArrowRight", "ArrowRight");
+  await page.keyboard.down("Shift");
+  await press("ArrowDown");
+  await page.keyboard.up("Shift");
+  await expect_accessible(page, web);
+  await press("Tab", "Tab", "Tab", "Tab");
+  await page.keyboard.type("297");
+  await live.until_text("#template-dialog output", "");
+  await live.shot("template");
+  await press("Tab", "Enter");
+  await live.until_text("#template-dialog output", "Saved weft_template.zip");
+  const made = unzipped(await template_files.file("weft_template.zip"));
+  template_files.remove();
+  assert.equal(
+    made["object.yaml"].toString().split("\n").slice(1).join("\n"),
+    'weft: 1\nextends: "live.yaml"\ntemplate:\n  use: templates/photo\n  params:\n' +
+      "    photo: object.jpg\n    camera: object_camera.json\n    width_m: 0.297\n" +
+      "    corners: [99, 82, 544, 72, 544, 408, 96, 408]\n",
+  );
+  assert.equal(JSON.parse(made["object_camera.json"]).fx, 560);
+  assert.equal(made["object.jpg"].subarray(0, 2).toString("hex"), "ffd8");
+  await press("Escape");
+  await reach("#make-template");
+  await press("Enter");
+  // Crossed corners are refused in words.
+  await page.keyboard.down("Shift");
+  for (let i = 0; i < 60; ++i) await press("ArrowRight");
+  await page.keyboard.up("Shift");
+  await live.until_text("#template-dialog output", "corner");
+  assert.equal(await page.$eval("#save-template", (one) => one.disabled), true);
+  await press("Escape");
 
   // The layout: the bar between the views, drawers, one view alone, the theme, the list of keys.
   const width = () => page.$eval("#image", (one) => one.clientWidth);
@@ -298,6 +346,17 @@ await use_live_page(async (live) => {
     'weft: 1\nextends: "live.yaml"\nstages:\n  - {as: "filters", params: ' +
       '{alpha_s: 0.3, warp: {use: warps/bbs, params: {robust: "huber"}}}}\n',
   );
+  // The run saves them too, and its refusal appears in words.
+  await reach("#save-in-run");
+  await press("Enter");
+  await requested("save");
+  await live.until_text("#saved", "Saved as settings-2.yaml in the folder of the run");
+  run.judge = () => "nothing was saved in 'runs/live': No space left on device";
+  await press("Enter");
+  await requested("save");
+  await live.until_text("#saved", "refused: nothing was saved in 'runs/live': No space");
+  await expect_accessible(page, web);
+  run.judge = () => "";
   await reach("#difference li button");
   await press("Enter");
   await requested("set filters.alpha_s=0.15");

@@ -13,6 +13,7 @@ const kTypes = {
   match_kept: "u8",
   match_score: "f32",
   truth_m: "f32",
+  other_m: "f32",
 };
 const kHead = ["taken_s", "written", "matches"];
 

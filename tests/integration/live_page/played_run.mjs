@@ -19,6 +19,7 @@ const kToken = "a token of sixteen";
 export class PlayedRun {
   requests = []; // texts, in the order in which they came
   most_requests_under_way = 0;
+  saved = 0; // files of settings in its folder
   /** The outcome of a change request: a refusal, or "" where it is granted. */
   judge = () => "";
   /** Answers at once, or only when the test requests it. */
@@ -107,7 +108,8 @@ export class PlayedRun {
     const { client, number, text } = this.#unanswered.shift();
     const set = /^set ([^=]+)=(.*)$/s.exec(text);
     if (set && !refusal) this.change(set[1], JSON.parse(set[2]));
-    client.send(JSON.stringify({ type: "answer", number, frame: 313, refusal }));
+    const frame = text === "save" ? ++this.saved : 313;
+    client.send(JSON.stringify({ type: "answer", number, frame, refusal }));
     if (!refusal && ["pause", "step", "resume"].includes(text)) this.pause(text !== "resume", 313);
   }
 

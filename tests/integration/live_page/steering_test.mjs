@@ -264,6 +264,26 @@ test("on top are what the pipeline sets, or the first parameter of each stage", 
   assert.deepEqual(names, ["a.one", "b.two", "e.one", "f.one", "g.one"]);
 });
 
+test("on top are the prominent parameters, before those of stages without any", () => {
+  const stage = (name, changeable, ...parameters) => ({ stage: name, changeable, parameters });
+  const one = (setting, is_prominent) => ({
+    setting,
+    type: "f64",
+    default: 1,
+    value: 2,
+    ...(is_prominent && { is_prominent }),
+  });
+  const names = (stages) => parameters.first_parameters(stages).map(({ setting }) => setting);
+  const a = stage("a", true, one("a.one"));
+  const b = stage("b", true, one("b.one"), one("b.two", true), one("b.three", true));
+  const fixed = stage("c", false, one("c.one", true));
+  const file = { ...one("d.file", true), type: "input_path" };
+  const d = stage("d", true, file, one("d.one"));
+  assert.deepEqual(names([a, b, fixed, d]), ["b.two", "b.three", "a.one", "d.one"]);
+  const many = stage("e", true, ...["1", "2", "3", "4", "5", "6"].map((i) => one(`e.${i}`, true)));
+  assert.deepEqual(names([a, many]), ["e.1", "e.2", "e.3", "e.4", "e.5"]);
+});
+
 test("the token goes from the page's address to the socket's", () => {
   const page = (text) => new URL(text);
   assert.equal(socket_address(page("http://a:1/?token=s%26t")), "ws://a:1/ws?token=s%26t");

@@ -11,6 +11,7 @@ import { decode_frame, read_frame, template_of } from "./link/messages.js";
 import { Status } from "./link/status.js";
 import { Recorder } from "./saving/recorder.js";
 import { save_picture } from "./saving/save.js";
+import { TemplateDialog } from "./saving/template_dialog.js";
 import { Settings } from "./settings/settings.js";
 import { write_comparison } from "./time/comparison.js";
 import { Delays } from "./time/delays.js";
@@ -31,6 +32,7 @@ const now_s = () => performance.now() / 1000;
 class Page {
   #scene = null; // text of camera and template of the run
   #frame = null; // that is shown
+  #camera = null; // of the run
   #is_seeking = false; // an earlier frame is being read
   #compared = null; // place of the frame to compare with
   #other = { place: null, vertices_m: null }; // that was read last
@@ -46,7 +48,12 @@ class Page {
     this.mesh = new MeshPane(by_id("mesh-view"), this.notices, () => this.#draw_mesh());
     this.options = new ViewOptions({
       image: () => this.image.set(this.options.image),
-      mesh: () => this.#draw_mesh(),
+      mesh: () => {
+        if (!this.#frame) return;
+        this.#compare_image();
+        this.image.draw();
+        this.#draw_mesh();
+      },
     });
     this.image.set(this.options.image);
     this.strips = new Strips(by_id("strips"), this.history, this.playback);
@@ -56,6 +63,10 @@ class Page {
     this.status = new Status(by_id("connection"), this.announcer, this.commands);
     this.transport = new Transport(by_id("transport"), this);
     this.recorder = new Recorder(by_id("transport"));
+    this.template_dialog = new TemplateDialog(by_id("template-dialog"), () => ({
+      camera: this.#camera,
+      pipeline: this.settings.pipeline,
+    }));
     this.layout = new Layout(() => this.#recolour());
     this.#listen();
     this.connection = new Connection(socket_address(location), {
@@ -74,7 +85,13 @@ class Page {
   #listen() {
     by_id("screenshot").addEventListener("click", () => this.#save());
     by_id("compare").addEventListener("click", () => this.#compare());
-    const actions = { compare: () => this.#compare(), help: () => this.keyboard.show() };
+    const make_template = () => this.template_dialog.open(this.#frame);
+    by_id("make-template").addEventListener("click", make_template);
+    const actions = {
+      compare: () => this.#compare(),
+      help: () => this.keyboard.show(),
+      make_template,
+    };
     this.keyboard = new Keyboard(by_id("help-dialog"), shortcuts_of(this, actions));
   }
 
@@ -97,6 +114,7 @@ class Page {
   #begin(hello) {
     const { camera, settings, started_with } = hello;
     this.notices.clear();
+    this.#camera = camera;
     this.commands.forget();
     this.delays.begin();
     const template = template_of(hello);
@@ -199,7 +217,7 @@ class Page {
   #show(frame) {
     this.#frame = frame;
     this.options.offer(frame);
-    this.image.compare(this.#vertices_at(this.#compared));
+    this.#compare_image();
     this.image.show(frame);
     this.#draw_mesh();
     this.#write_state(frame);
@@ -226,15 +244,33 @@ class Page {
     if (this.#frame) this.#move();
   }
 
+  /** The compared mesh, else that of another stage, goes over the image too. */
+  #compare_image() {
+    const is_beside = this.#compared === null && this.options.mesh.beside === "other";
+    const other_m = is_beside ? (this.#frame.other_m ?? null) : this.#vertices_at(this.#compared);
+    this.image.compare(other_m);
+  }
+
+  /** The second mesh: {vertices_m, words} or null. */
+  #second_mesh() {
+    const { sample } = this.playback;
+    const { beside } = this.options.mesh;
+    if (this.#compared === null && beside === "other") {
+      const { other_m } = this.#frame;
+      return other_m ? { vertices_m: other_m, words: "other shape" } : null;
+    }
+    const place = this.#compared ?? (beside === "before" && sample ? sample.place - 1 : null);
+    const vertices_m = this.#vertices_at(place);
+    return vertices_m && { vertices_m, words: `frame ${this.history.at(place).frame}` };
+  }
+
   #draw_mesh() {
     if (!this.#frame) return;
     const { sample } = this.playback;
     const { beside } = this.options.mesh;
-    const place = this.#compared ?? (beside === "before" && sample ? sample.place - 1 : null);
-    const vertices_m = this.#vertices_at(place);
     this.mesh.show(this.#frame, {
       ...this.options.mesh,
-      other: vertices_m && { vertices_m, frame: this.history.at(place).frame },
+      other: this.#second_mesh(),
       truth_m: beside === "truth" ? (this.#frame.truth_m ?? null) : null,
       until: sample,
       history: this.history,

@@ -151,6 +151,12 @@ export function recorded_words({ first, last, frames, bytes }) {
   return `Saved ${which} ${first} to ${last}, ${size_words(bytes)}.`;
 }
 
+/** The answer to a request that saves the settings: its `frame` is the number of the file. */
+export function saved_words({ outcome, frame, refusal }) {
+  if (outcome === "granted") return `Saved as settings-${frame}.yaml in the folder of the run`;
+  return outcome_words({ outcome, frame, refusal });
+}
+
 /** What became of a request, beside its control. */
 export function outcome_words({ outcome, frame, refusal }) {
   switch (outcome) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
-/** The keys of the page, as Keyboard takes them; `compare()` and `help()` are actions of the page. */
-export function shortcuts_of({ transport, playback, mesh, layout }, { compare, help }) {
+/** The keys of the page, as Keyboard takes them; `compare()`, `help()` and `make_template()` are
+    actions of the page. */
+export function shortcuts_of({ transport, playback, mesh, layout, settings }, { compare, help, make_template }) {
   const keys = [
     [" ", "play or pause the run", () => transport.toggle(), "space"],
     ["ArrowLeft", "frame before", () => transport.step(-1), "←"],
@@ -19,6 +20,8 @@ export function shortcuts_of({ transport, playback, mesh, layout }, { compare, h
     ["Escape", "both views again", () => layout.leave_alone(), "Esc"],
     ["s", "settings", () => layout.toggle_drawer("settings")],
     ["t", "strips", () => layout.toggle_drawer("strips")],
+    ["w", "save the settings in the folder of the run", () => settings.panel.save_in_run()],
+    ["n", "template of this frame", make_template],
     ["?", "this list", help],
   ];
   return keys.map(([key, words, act, name]) => ({ key, words, act, name }));

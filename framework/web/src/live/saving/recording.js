@@ -9,7 +9,7 @@ const kDigits = 6;
 const kUntold = 255; // in place of 0 and 1, where nothing is said of a vertex
 
 const bytes_of = (array) => new Uint8Array(array.buffer, array.byteOffset, array.byteLength);
-const text_file = (name, text) => new StoredFile(name).add(new TextEncoder().encode(text));
+export const text_file = (name, text) => new StoredFile(name).add(new TextEncoder().encode(text));
 const numbered = (frame) => String(frame).padStart(kDigits, "0");
 
 /** A file of NumPy (format 1.0): arrays one behind another as the rows of one with that shape. */
@@ -25,7 +25,7 @@ function npy_file(name, type, shape, arrays) {
 }
 
 /** The camera of images that were made smaller to be sent; pixel centres are whole numbers. */
-function camera_of_picture({ fx, fy, cx, cy, width_px, height_px }, picture) {
+export function camera_of_picture({ fx, fy, cx, cy, width_px, height_px }, picture) {
   const { width, height } = picture ?? { width: width_px, height: height_px };
   const x = width / width_px;
   const y = height / height_px;

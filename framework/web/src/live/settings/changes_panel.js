@@ -3,6 +3,7 @@
 import { element } from "../../data.js";
 import { recall, remember } from "../layout/memory.js";
 import { save_file } from "../saving/save.js";
+import { saved_words } from "../words.js";
 import { difference_of, pipeline_of, values_of } from "./difference.js";
 import { same_value, shown_value } from "./parameters.js";
 
@@ -15,16 +16,19 @@ function button(words, label, act) {
 
 export class ChangesPanel {
   #edits;
+  #change_requests;
   #settings = { pipeline: "", stages: [] };
   #started = []; // stages as the run began
   #shown = null; // text of the shown difference
 
-  constructor(root, edits) {
+  constructor(root, edits, change_requests) {
     this.#edits = edits;
+    this.#change_requests = change_requests;
     const part = (name) => root.querySelector(name);
     this.undo = part("#undo");
     this.redo = part("#redo");
     this.save = part("#save-yaml");
+    this.saved = part("#saved");
     this.count = part("#difference .count");
     this.list = part("#difference ul");
     this.back = part("#back-to-file");
@@ -32,6 +36,7 @@ export class ChangesPanel {
     this.undo.addEventListener("click", () => edits.undo());
     this.redo.addEventListener("click", () => edits.redo());
     this.save.addEventListener("click", () => this.#save());
+    part("#save-in-run").addEventListener("click", () => this.save_in_run());
     this.back.addEventListener("click", () => this.#apply({}));
     part("#presets form").addEventListener("submit", (event) => {
       event.preventDefault();
@@ -80,6 +85,14 @@ export class ChangesPanel {
     const text = pipeline_of(this.#settings, this.#changes);
     const name = this.#settings.pipeline.split("/").at(-1).replace(/\.ya?ml$/, "");
     save_file(new Blob([text], { type: "application/yaml" }), `${name}_live.yaml`);
+  }
+
+  /** The run writes its pipeline, with all settings as they are, into its folder. */
+  save_in_run() {
+    this.#change_requests.now("save", (told) => {
+      this.saved.value = saved_words(told);
+      this.saved.classList.toggle("bad", told.outcome === "refused" || told.outcome === "unsent");
+    });
   }
 
   get #place() {

@@ -23,6 +23,7 @@ function shape_of(stages, started) {
 
 export class Settings {
   #shape = null;
+  #pipeline = "";
   #started = []; // stages as the run began
   // {stage, details, changed, controls: [{setting, control}], open: without a search}
   #groups = [];
@@ -33,7 +34,7 @@ export class Settings {
     this.search = root.querySelector("#search");
     this.search.addEventListener("input", () => this.#find());
     this.edits = new Edits(change_requests, () => this.panel.write_edits());
-    this.panel = new ChangesPanel(root, this.edits);
+    this.panel = new ChangesPanel(root, this.edits, change_requests);
     this.panel.write_edits();
     addEventListener("keydown", (event) => this.#press(event));
   }
@@ -45,6 +46,11 @@ export class Settings {
     event.preventDefault();
     if (event.shiftKey) this.edits.redo();
     else this.edits.undo();
+  }
+
+  /** Path of the run's pipeline file. */
+  get pipeline() {
+    return this.#pipeline;
   }
 
   /** A run began, with these settings; each may be null. */
@@ -69,7 +75,8 @@ export class Settings {
       }
     }
     this.#count_changes();
-    this.panel.show({ pipeline: settings?.pipeline ?? "", stages }, this.#started);
+    this.#pipeline = settings?.pipeline ?? "";
+    this.panel.show({ pipeline: this.#pipeline, stages }, this.#started);
   }
 
   #build(stages) {
@@ -87,7 +94,7 @@ export class Settings {
 
   #group({ stage, id, summary, changeable, why_not, parameters }, open) {
     const changed = element("span", { className: "changes" });
-    const title = element("span", { className: "stage", textContent: stage || "First of each stage" });
+    const title = element("span", { className: "stage", textContent: stage || "Main settings" });
     const head = element("summary", {}, title, element("code", { textContent: id }), changed);
     const started = values_of(this.#started);
     const controls = parameters.map((parameter) => {

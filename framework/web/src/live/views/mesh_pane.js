@@ -70,7 +70,7 @@ export class MeshPane {
     this.#view?.trail.pick(Number.isInteger(vertex) ? vertex : null);
   }
 
-  /** A frame with the choices {colouring, surroundings, other: {vertices_m, frame} or null, truth_m},
+  /** A frame with the choices {colouring, surroundings, other: {vertices_m, words} or null, truth_m},
       and the history up to the sample `until` for the trail. */
   show(frame, { colouring, surroundings, other, truth_m, history, until }) {
     const { shares, legend } = this.#colouring.of(colouring, frame, this.#template);
@@ -87,7 +87,7 @@ export class MeshPane {
       is_hatched = view.show(frame, shares);
     }
     const truth_words = truth_m ? "ground truth" : "";
-    const beside = other ? `frame ${other.frame}` : truth_words;
+    const beside = other?.words ?? truth_words;
     write_legend(this.root.querySelector("#legend"), legend, { is_hatched, beside });
     this.#write_vertex(frame);
   }

@@ -7,6 +7,7 @@ import { kMatchModes } from "./matches.js";
 export const kBeside = [
   { name: "none", title: "mesh alone" },
   { name: "before", title: "with frame before" },
+  { name: "other", title: "with other shape" },
   { name: "truth", title: "with ground truth" },
 ];
 
@@ -59,8 +60,9 @@ export class ViewOptions {
   }
 
   /** Offers only what a frame has. */
-  offer({ match_px, truth_m }) {
+  offer({ match_px, truth_m, other_m }) {
     by_id("matches").disabled = !match_px;
     by_id("beside").querySelector("[value=truth]").disabled = !truth_m;
+    by_id("beside").querySelector("[value=other]").disabled = !other_m;
   }
 }
