@@ -369,12 +369,12 @@ typedef struct weft_steering {
   uint32_t reserved;
   /* Calls request(context, number, text) for each request since the last call, once; the sink
    * assigns `number`. Texts:
-   * "set PATH=VALUE" as in `weft run --set`, "pause", "step", "resume", "stop". */
+   * "set PATH=VALUE" as in `weft run --set`, "save", "pause", "step", "resume", "stop". */
   int32_t (*take_change_requests)(void* self, void* context,
                                   void (*request)(void* context, uint64_t number, const char* text),
                                   weft_error* error);
-  /* Answers a request: `frame` is the first frame to which it applies; `refusal` is "" if it was
-   * granted. */
+  /* Answers a request: `frame` is the first frame to which it applies, or, for "save", N of the
+   * file settings-N.yaml in the run folder. `refusal` is "" if it was granted. */
   int32_t (*answer)(void* self, uint64_t number, uint64_t frame, const char* refusal,
                     weft_error* error);
 } weft_steering;
