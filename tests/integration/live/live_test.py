@@ -130,6 +130,23 @@ class Live(unittest.TestCase):
             self.assertGreater(watching.frame()["frame"], before)
         self.stop(live)
 
+    def test_a_client_saves_the_settings_in_the_run_folder_while_there_is_one(self) -> None:
+        live = self.start("--demo", "--set", f"live.token={TOKEN}")
+        live.stdout.readline()
+        with Viewer(self.port(), TOKEN) as client:
+            client.frame()
+            self.assertEqual(client.request("set filters.stiffness=12")["refusal"], "")
+            answer = client.request("save")
+            self.assertEqual((answer["frame"], answer["refusal"]), (1, ""))
+            saved = self.folder / "run" / "settings-1.yaml"
+            self.assertIn("stiffness: 12", saved.read_text())
+            self.expect_no_token()
+            checked = subprocess.run([self.program, "check", str(saved)], text=True, capture_output=True,
+                                     env=os.environ | {"WEFT_TOKEN": TOKEN})
+            self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
+            (self.folder / "run").rename(self.folder / "elsewhere")
+            self.assertIn("it is no folder any more", client.request("save")["refusal"])
+
     def test_a_token_is_in_no_file_and_in_no_argument(self) -> None:
         """It is given in one of three ways; the desktop's program notes how it is started."""
         desktop = self.folder / "bin" / "xdg-open"
