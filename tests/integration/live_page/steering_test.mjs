@@ -10,6 +10,7 @@ const { ChangeRequests } = await load("link/change_requests");
 const { socket_address } = await load("link/connection");
 const { Edits } = await load("settings/edits");
 const { difference_of, pipeline_of } = await load("settings/difference");
+const { corners_fault, template_pipeline } = await load("saving/template");
 
 test("a slider gives each value that it shows", () => {
   for (const range of [
@@ -282,6 +283,23 @@ test("on top are the prominent parameters, before those of stages without any", 
   assert.deepEqual(names([a, b, fixed, d]), ["b.two", "b.three", "a.one", "d.one"]);
   const many = stage("e", true, ...["1", "2", "3", "4", "5", "6"].map((i) => one(`e.${i}`, true)));
   assert.deepEqual(names([a, many]), ["e.1", "e.2", "e.3", "e.4", "e.5"]);
+});
+
+test("a template has four corners of a rectangle, clockwise from top left", () => {
+  const corners = [[10, 10], [110, 12], [108, 90], [9, 88]];
+  assert.equal(corners_fault(corners), "");
+  assert.match(corners_fault([...corners].reverse()), /anticlockwise/);
+  assert.match(corners_fault([[10, 10], [12, 12], [108, 90], [9, 88]]), /closer than 16 px/);
+  assert.match(corners_fault([[10, 10], [110, 12], [40, 40], [9, 88]]), /move the bottom right one/);
+});
+
+test("the pipeline of a template extends that of the run, by its path if that is absolute", () => {
+  const corners = [[0, 0.04], [20, 0], [20, 20], [0, 20]];
+  const lines = template_pipeline("/a/b.yaml", corners, 210).split("\n").slice(0, 3);
+  assert.deepEqual(lines, ["# A template of the live view.", "weft: 1", 'extends: "/a/b.yaml"']);
+  const relative = template_pipeline("a/b.yaml", corners, 210);
+  assert.match(relative, /Unpack these files in the folder of b\.yaml\.\nweft: 1\nextends: "b\.yaml"/);
+  assert.match(relative, /width_m: 0\.21\n {4}corners: \[0, 0, 20, 0, 20, 20, 0, 20\]/);
 });
 
 test("the token goes from the page's address to the socket's", () => {

@@ -2,7 +2,8 @@
 
 /** The keys of the page, as Keyboard takes them; `compare()`, `help()` and `make_template()` are
     actions of the page. */
-export function shortcuts_of({ transport, playback, mesh, layout, settings }, { compare, help, make_template }) {
+export function shortcuts_of(page, { compare, help, make_template }) {
+  const { transport, playback, mesh, layout, settings } = page;
   const keys = [
     [" ", "play or pause the run", () => transport.toggle(), "space"],
     ["ArrowLeft", "frame before", () => transport.step(-1), "←"],
