@@ -15,7 +15,7 @@ namespace weft::cli {
 namespace {
 
 constexpr int kContractBroken = 1;
-constexpr double kEffortForAll = 0.1;  ///< share of the calls that checks repeat
+constexpr double kEffortForAll = 0.05;  ///< share of the calls that checks repeat
 
 struct CheckOptions {
   conformance::Asked asked;
@@ -101,7 +101,7 @@ void add_check_of_plugins(CLI::App& plugins, Context& context) {
       ->type_name("");
   command->add_flag("--all", options->asked.all, "Every installed plugin");
   command->add_flag("--full", options->full,
-                    "With --all, also make all repetitions; --all reduces some checks to a tenth");
+                    "With --all, also make all repetitions; --all reduces some checks to a twentieth");
   command->add_option("--jobs", options->jobs, "Components at once; by default one per CPU core")
       ->check(CLI::PositiveNumber)
       ->option_text("N");

@@ -62,6 +62,7 @@ struct Large {
                                 ///< 0 where it had ended
   double busy_ms = 0.0;         ///< CPU time after the cancellation
   std::string refused;          ///< why there was no call
+  bool is_unsupported = false;  ///< it refuses such a camera or template, which is legal
 };
 
 Large call_large(const Setting& setting, double until_ms) {
@@ -77,7 +78,9 @@ Large call_large(const Setting& setting, double until_ms) {
   given.inputs = testing::inputs_of((*play)->subject(), scene);
   Performer performer((*play)->subject(), {.protects_inputs = false});
   const Answer ready = (*play)->begin(performer);
-  if (!ready.is_usable()) return {{}, 0.0, -1.0, 0.0, to_text(ready)};
+  if (!ready.is_usable()) {
+    return {{}, 0.0, -1.0, 0.0, to_text(ready), ready.code == Errc::unsupported};
+  }
   std::atomic<bool> ended = false;
   std::atomic<double> busy_at_stop = -1.0;
   const auto ms = [](auto span) { return std::chrono::duration<double, std::milli>(span).count(); };
@@ -131,6 +134,7 @@ void check_large(const Setting& setting, double effort, Page& page) {
   const double patience_ms = effort * kPatience_ms;
   const Large large = call_large(setting, patience_ms);
   setrlimit(RLIMIT_AS, &before);
+  if (large.is_unsupported) return page.skip("it refuses the camera: " + large.refused);
   if (!large.refused.empty()) return page.fail("it cannot be made ready: " + large.refused);
   if (large.answer.code == Errc::no_memory) {
     return page.fail(
@@ -156,6 +160,7 @@ void check_large(const Setting& setting, double effort, Page& page) {
 void check_cancelled(const Setting& setting, Page& page) {
   if (!is_large_for(setting)) return page.skip(kNoStage);
   const Large large = call_large(setting, kHeadStart_ms);
+  if (large.is_unsupported) return page.skip("it refuses the camera: " + large.refused);
   if (!large.refused.empty()) return page.fail("it cannot be made ready: " + large.refused);
   if (large.after_stop_ms < 0.0) {
     return page.note(fmt::format("done after {:.0f} ms, before it is cancelled", large.took_ms));

@@ -74,7 +74,7 @@ Result<InputMap> InputMap::create(const Camera& frame, const Camera& network) {
   map.covered_share_ = covered(map.axes_[0], frame.width_px, network.width_px) *
                        covered(map.axes_[1], frame.height_px, network.height_px);
   if (map.covered_share_ < kLeastShare) {
-    return Error{Errc::invalid_data,
+    return Error{Errc::unsupported,
                  "the frames (" + text_of(frame) + ") show only " + percent_of(map.covered_share_) +
                      " of the field that the network was trained "
                      "for (" +

@@ -59,7 +59,7 @@ Result<void> check_same_template(const NetworkFile& file, const Template& templ,
                                  const FlatSheet& sheet) {
   const TrainedTemplate& trained = file.templ;
   const auto other = [&](const std::string& what) {
-    return Error{Errc::incompatible,
+    return Error{Errc::unsupported,
                  file.path + ": the network was trained for another template: " + what +
                      "; train one with this template or give its " + "template"};
   };

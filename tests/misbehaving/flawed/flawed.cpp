@@ -41,6 +41,10 @@ class Filter final : public weft::Filter {
     const weft::Correspondences& matches = in.correspondences;
     const std::int64_t count = matches.count();
     if (count < 2 * Cubic::kTerms) return weft::no_result("too few matches");
+    const auto across_m = in.templ->vertices_m.matrix<3>().col(0);
+    if (flaw_.is("one_size") && across_m.maxCoeff() - across_m.minCoeff() > 0.45) {
+      return weft::Error{weft::Errc::unsupported, "made for smaller templates", {}};
+    }
     const Eigen::VectorXd off_px = residuals_px(matches);
     const weft::Points2 at_px = matches.image_px.matrix<2>();
     const weft::Points2 offset_px = at_px.rowwise() - at_px.colwise().mean();

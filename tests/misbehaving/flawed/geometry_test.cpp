@@ -112,6 +112,13 @@ TEST(ContractOfGeometry, SaysWhyACheckDoesNotApply) {
               Contains(StartsWith("error grows with noise: ")));
 }
 
+TEST(ContractOfGeometry, DoesNotApplyToASceneThatTheComponentDoesNotSupport) {
+  const ContractReport report = geometry_of("filters/test_flawed", "{flaw: one_size}");
+  EXPECT_THAT(report.failures, IsEmpty());
+  EXPECT_THAT(report.inapplicable,
+              ElementsAre("world scaled: it refuses the moved scene: made for smaller templates"));
+}
+
 TEST(ContractOfGeometry, IsCheckedWhereItIsAskedFor) {
   ContractOptions options{.params = "{flaw: side}", .plugin_folders = {WEFT_FLAWED_FOLDER}};
   EXPECT_THAT(check_role_contract("filters/test_flawed", options).failures,
