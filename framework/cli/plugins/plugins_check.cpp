@@ -100,8 +100,9 @@ void add_check_of_plugins(CLI::App& plugins, Context& context) {
                    "Ids (role/name), libraries (.so) or manifests")
       ->type_name("");
   command->add_flag("--all", options->asked.all, "Every installed plugin");
-  command->add_flag("--full", options->full,
-                    "With --all, also make all repetitions; --all reduces some checks to a twentieth");
+  command->add_flag(
+      "--full", options->full,
+      "With --all, also make all repetitions; --all reduces some checks to a twentieth");
   command->add_option("--jobs", options->jobs, "Components at once; by default one per CPU core")
       ->check(CLI::PositiveNumber)
       ->option_text("N");

@@ -59,9 +59,9 @@ Result<void> check_same_template(const NetworkFile& file, const Template& templ,
                                  const FlatSheet& sheet) {
   const TrainedTemplate& trained = file.templ;
   const auto other = [&](const std::string& what) {
-    return Error{Errc::unsupported,
-                 file.path + ": the network was trained for another template: " + what +
-                     "; train one with this template or give its " + "template"};
+    return Error{Errc::unsupported, file.path +
+                                        ": the network was trained for another template: " + what +
+                                        "; train one with this template or give its " + "template"};
   };
   if (!is_same(sheet.size_m.x(), trained.width_m) || !is_same(sheet.size_m.y(), trained.height_m)) {
     return other(size_of(trained.width_m, trained.height_m) + " instead of " +
