@@ -56,9 +56,9 @@ void Steering::take_change_requests() {
 void Steering::hear(const host::Instance& sink, const ChangeRequest& request) {
   constexpr std::string_view kSet = "set ";
   if (request.text.starts_with(kSet)) {
-    return ask({&sink, request.number, request.text.substr(kSet.size())});
+    return ask({&sink, request.number, request.text.substr(kSet.size()), false});
   }
-  if (request.text == "save") return ask({&sink, request.number, ""});
+  if (request.text == "save") return ask({&sink, request.number, "", true});
   static constexpr std::pair<std::string_view, Pace> kPaces[] = {{"pause", Pace::pausing},
                                                                  {"step", Pace::stepping},
                                                                  {"resume", Pace::going},
@@ -90,7 +90,7 @@ void Steering::make_all() {
     asked_.pop_front();
     is_making_ = true;
     lock.unlock();
-    if (asked.setting.empty()) {
+    if (asked.saves) {
       save(asked);
       lock.lock();
       is_making_ = false;
@@ -127,7 +127,7 @@ Result<void> Steering::repeat(std::uint64_t frame) {
   if (repeated_.empty() || repeated_.begin()->first > frame) return {};
   for (auto due = repeated_.begin(); due != repeated_.end() && due->first <= frame;
        due = repeated_.erase(due)) {
-    for (std::string& setting : due->second) ask({nullptr, 0, std::move(setting)});
+    for (std::string& setting : due->second) ask({nullptr, 0, std::move(setting), false});
   }
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return asked_.empty() && !is_making_; });

@@ -51,7 +51,8 @@ class Steering {
   struct Asked {
     const host::Instance* sink = nullptr;  ///< null: an earlier run
     std::uint64_t number = 0;              ///< identifier that the sink assigned
-    std::string setting;                   ///< empty: to save the settings
+    std::string setting;                   ///< "PATH=VALUE"
+    bool saves = false;                    ///< saves the settings instead of changing one
   };
   struct Made {
     Asked asked;
