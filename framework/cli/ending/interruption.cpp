@@ -2,10 +2,8 @@
 #include "cli/ending/interruption.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <csignal>
-#include <cstring>
 
 #include "cli/ending/running_calls.hpp"
 #include "cli/ending/sudden_end.hpp"
@@ -19,23 +17,17 @@ std::atomic<bool> signal_came{false};
 
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-// These and the handler call nothing but what POSIX allows in a signal handler.
-
-void print(const char* text, std::size_t length) {
-  static_cast<void>(!write(STDERR_FILENO, text, length));
-}
-void print(const char* text) { print(text, std::strlen(text)); }
-
+/// Calls nothing but what POSIX allows in a signal handler.
 void on_signal(int signal) {
   if (!signal_came.exchange(true)) return;
-  print("\ninterrupted twice, ended at once; running: ");
+  say("\ninterrupted twice, ended at once; running: ");
   static bool is_first = true;
   const int calls = visit_running_calls([](const RunningCall& call) {
-    if (!is_first) print("; ");
+    if (!is_first) say("; ");
     is_first = false;
-    print(call.bytes.data(), call.length);
+    say(call.bytes.data(), call.length);
   });
-  print(calls == 0 ? "nothing of a pipeline\n" : "\n");
+  say(calls == 0 ? "nothing of a pipeline\n" : "\n");
   end_at_once(128 + signal);
 }
 

@@ -66,11 +66,6 @@ class AlternateStack {
 
 // From here on nothing is called but what POSIX allows in a signal handler.
 
-void say(const char* text, std::size_t length) {
-  static_cast<void>(!write(STDERR_FILENO, text, length));
-}
-void say(const char* text) { say(text, std::strlen(text)); }
-
 /// Where a thread is: its instruction, and the top of its stack.
 struct ThreadPlace {
   std::uintptr_t instruction, stack_top;
@@ -162,6 +157,12 @@ SuddenEndWatch::~SuddenEndWatch() {
 }
 
 void watch_stack_here() { thread_local const AlternateStack stack; }
+
+void say(const char* text, std::size_t length) {
+  static_cast<void>(!write(STDERR_FILENO, text, length));
+}
+
+void say(const char* text) { say(text, std::strlen(text)); }
 
 void end_at_once(int code) {
   while (true) syscall(SYS_exit_group, code);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+
 namespace weft::cli {
 
 /// While it lives, stderr reports the last action of the thread if a component ends the process
@@ -19,6 +21,10 @@ class SuddenEndWatch {
 
 /// From now on, a stack overflow of this thread is detected, too.
 void watch_stack_here();
+
+/// Prints on stderr. Signal handlers can call these.
+void say(const char* text, std::size_t length);
+void say(const char* text);
 
 /// _exit() for the program itself.
 [[noreturn]] void end_at_once(int code);
