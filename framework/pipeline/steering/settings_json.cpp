@@ -63,6 +63,15 @@ void add_parameters(const host::ComponentSpec& spec, const std::string& path, or
   }
 }
 
+/// The inputs that a sink takes from stages that it names: {"other_shape": "refined"}.
+ordered_json choices_of(const StageConfig& sink) {
+  ordered_json from = ordered_json::object();
+  for (const FromRule& rule : sink.from) {
+    if (rule.names.size() == 1) from[rule.slot] = rule.names.front();
+  }
+  return from;
+}
+
 }  // namespace
 
 std::string why_fixed(const StageConfig& stage, const PipelineConfig& config) {
@@ -85,8 +94,14 @@ std::string settings_json(const PipelineConfig& config) {
                       {"why_not", why_not},
                       {"parameters", std::move(parameters)}});
   }
-  return ordered_json{{"pipeline", config.file}, {"stages", std::move(stages)}}.dump(
-      -1, ' ', false, ordered_json::error_handler_t::replace);
+  ordered_json sinks = ordered_json::array();
+  for (const StageConfig& sink : config.sinks) {
+    sinks.push_back(
+        {{"sink", sink.name}, {"id", sink.component.component().id}, {"from", choices_of(sink)}});
+  }
+  return ordered_json{
+      {"pipeline", config.file}, {"stages", std::move(stages)}, {"sinks", std::move(sinks)}}
+      .dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 
 }  // namespace weft

@@ -170,10 +170,10 @@ await use_live_page(async (live) => {
   const other_m = bent(40);
   await live.show(32, { truth_m: [0, 0, 0.5, 0.1, 0, 0.5], other_m, ...matches_of(32) });
   await reach("#beside");
-  for (const words of ["frame 31", "other shape", "ground truth"]) {
+  for (const words of ["frame 31", "shape of refined", "ground truth"]) {
     await changes_pixels("#mesh", () => press("ArrowDown"));
     await live.until_text("#legend .beside", words);
-    if (words === "other shape") await live.shot("other_shape");
+    if (words === "shape of refined") await live.shot("other_shape");
   }
   for (const from of ["front", "side", "top", "fit"]) {
     await reach(`[data-view-from=${from}]`);
@@ -230,7 +230,7 @@ await use_live_page(async (live) => {
     made["object.yaml"].toString().split("\n").slice(1).join("\n"),
     'weft: 1\nextends: "live.yaml"\ntemplate:\n  use: templates/photo\n  params:\n' +
       "    photo: object.jpg\n    camera: object_camera.json\n    width_m: 0.297\n" +
-      "    corners: [99, 82, 544, 72, 544, 408, 96, 408]\n",
+      "    corners: [98.5, 81.5, 543.5, 71.5, 543.5, 407.5, 95.5, 407.5]\n",
   );
   assert.equal(JSON.parse(made["object_camera.json"]).fx, 560);
   assert.equal(made["object.jpg"].subarray(0, 2).toString("hex"), "ffd8");

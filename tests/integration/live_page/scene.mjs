@@ -119,4 +119,5 @@ const template = {
 export const settings = {
   pipeline: "pipelines/live.yaml",
   stages: [detectors, filters, template],
+  sinks: [{ sink: "live", id: "sinks/live", from: { other_shape: "refined" } }],
 };

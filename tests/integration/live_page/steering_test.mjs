@@ -10,7 +10,8 @@ const { ChangeRequests } = await load("link/change_requests");
 const { socket_address } = await load("link/connection");
 const { Edits } = await load("settings/edits");
 const { difference_of, pipeline_of } = await load("settings/difference");
-const { corners_fault, template_pipeline } = await load("saving/template");
+const { fault_of } = await load("../corners");
+const { template_pipeline } = await load("saving/template");
 
 test("a slider gives each value that it shows", () => {
   for (const range of [
@@ -287,10 +288,10 @@ test("on top are the prominent parameters, before those of stages without any", 
 
 test("a template has four corners of a rectangle, clockwise from top left", () => {
   const corners = [[10, 10], [110, 12], [108, 90], [9, 88]];
-  assert.equal(corners_fault(corners), "");
-  assert.match(corners_fault([...corners].reverse()), /anticlockwise/);
-  assert.match(corners_fault([[10, 10], [12, 12], [108, 90], [9, 88]]), /closer than 16 px/);
-  assert.match(corners_fault([[10, 10], [110, 12], [40, 40], [9, 88]]), /move the bottom right one/);
+  assert.equal(fault_of(corners), "");
+  assert.match(fault_of([...corners].reverse()), /anticlockwise/);
+  assert.match(fault_of([[10, 10], [12, 12], [108, 90], [9, 88]]), /closer than 16 px/);
+  assert.match(fault_of([[10, 10], [110, 12], [40, 40], [9, 88]]), /move the bottom right one/);
 });
 
 test("the pipeline of a template extends that of the run, by its path if that is absolute", () => {

@@ -280,6 +280,18 @@ TEST_F(Changes, AStageInAProcessOfItsOwnIsFixed) {
             "it runs in a separate process (--isolate none runs it here)");
 }
 
+TEST_F(Changes, SettingsNameTheStageWhoseOtherShapeASinkReads) {
+  const auto [pipeline, report] =
+      check(testing::head() +
+            "stages:\n  - use: detectors/test.scripted\n  - use: matchers/test.scripted\n"
+            "sinks:\n  - {use: sinks/test.steering, as: shown, from: {other_shape: refined}}\n");
+  const json settings = json::parse(settings_json(pipeline.config));
+  const json& sink = settings["sinks"].back();
+  EXPECT_EQ(sink["sink"], "shown");
+  EXPECT_EQ(sink["id"], "sinks/test.steering");
+  EXPECT_EQ(sink["from"]["other_shape"], "refined");
+}
+
 TEST_F(Changes, SettingsSayWhatEachParameterMayBeAndIs) {
   const auto [pipeline, report] =
       check(testing::head() +

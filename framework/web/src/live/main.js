@@ -12,7 +12,7 @@ import { Status } from "./link/status.js";
 import { Recorder } from "./saving/recorder.js";
 import { save_picture } from "./saving/save.js";
 import { TemplateDialog } from "./saving/template_dialog.js";
-import { Settings } from "./settings/settings.js";
+import { other_stage_of, Settings } from "./settings/settings.js";
 import { write_comparison } from "./time/comparison.js";
 import { Delays } from "./time/delays.js";
 import { History, sample_of } from "./time/history.js";
@@ -22,7 +22,7 @@ import { Transport } from "./time/transport.js";
 import { ImageView } from "./views/image_view.js";
 import { MeshPane } from "./views/mesh_pane.js";
 import { ViewOptions } from "./views/view_options.js";
-import { notices_of, state_words } from "./words.js";
+import { notices_of, other_shape_words, state_words } from "./words.js";
 
 const kStrips_ms = 200; // between drawings of the strips
 
@@ -36,6 +36,7 @@ class Page {
   #is_seeking = false; // an earlier frame is being read
   #compared = null; // place of the frame to compare with
   #other = { place: null, vertices_m: null }; // that was read last
+  #other_stage = null; // the stage of `other_m`, where the run names it
   #strips_at_s = 0;
 
   constructor() {
@@ -138,6 +139,8 @@ class Page {
   #show_settings(settings) {
     this.settings.show(settings);
     this.recorder.show_settings(settings);
+    this.#other_stage = other_stage_of(settings);
+    this.options.name_other(this.#other_stage);
     const folders = settings?.pipeline?.split("/") ?? [];
     by_id("pipeline").textContent = folders.slice(-2).join("/");
     by_id("pipeline").title = settings?.pipeline ?? "";
@@ -257,7 +260,8 @@ class Page {
     const { beside } = this.options.mesh;
     if (this.#compared === null && beside === "other") {
       const { other_m } = this.#frame;
-      return other_m ? { vertices_m: other_m, words: "other shape" } : null;
+      const words = other_shape_words(this.#other_stage);
+      return other_m ? { vertices_m: other_m, words } : null;
     }
     const place = this.#compared ?? (beside === "before" && sample ? sample.place - 1 : null);
     const vertices_m = this.#vertices_at(place);

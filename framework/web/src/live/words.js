@@ -139,6 +139,9 @@ export function match_words({ match_px, match_kept, match_score, matches }, inde
   return `Match ${index + 1} of ${match_kept.length}${of_all}: ${verdict}, score ${score}, ${place}`;
 }
 
+/** The second mesh of a frame, by the stage that made it, which may be unknown (null). */
+export const other_shape_words = (stage) => (stage ? `shape of ${stage}` : "other shape");
+
 export const size_words = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
 
 /** What became of a recording {first, last, frames, bytes}. Frames are missing in it that the run

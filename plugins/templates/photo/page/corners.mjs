@@ -1,37 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The corners of a sheet in its photograph, moved by hand. Places are [x, y] in px of the
-// photograph, whose top left pixel has its centre at (0, 0).
-
-export const kNames = ["top left", "top right", "bottom right", "bottom left"];
-
-const kLeastSide_px = 16; // as templates/photo has it
-const kLeastSine = 0.035;
-const kInset = 0.15; // of the photograph, where no corners are known
-
-/** Along an axis: the place at a share of the photograph, and the share of a place. */
-export const to_px = (share, size_px) => share * size_px - 0.5;
-export const to_share = (px, size_px) => (px + 0.5) / size_px;
-
-/** The nearest place of the photograph, which ends half a pixel beyond its outer centres; to a
-    tenth of a pixel. */
-export const within = (place_px, sizes_px) =>
-  place_px.map((px, axis) => {
-    const legal = Math.min(Math.max(px, -0.5), sizes_px[axis] - 0.5);
-    return Math.round(10 * legal) / 10;
-  });
-
-/** Where the rings stand at first. */
-export function first_corners({ width_px, height_px, corners_px }) {
-  const sizes_px = [width_px, height_px];
-  const shares = [
-    [kInset, kInset],
-    [1 - kInset, kInset],
-    [1 - kInset, 1 - kInset],
-    [kInset, 1 - kInset],
-  ];
-  const places = corners_px ?? shares.map((at) => at.map((s, axis) => to_px(s, sizes_px[axis])));
-  return places.map((place) => within(place, sizes_px));
-}
+// The page on which the corners of a sheet in its photograph are moved. The build puts
+// framework/web/src/corners.js in place of the import.
+import { first_corners, fault_of, kNames, make_ring, to_share, within } from "corners.js";
 
 /** As the command takes them. */
 export const corners_text = (corners) => corners.map(([x, y]) => `${x},${y}`).join(" ");
@@ -39,27 +9,6 @@ export const option_text = (corners) => `--corners "${corners_text(corners)}"`;
 /** As the plugin takes them. */
 export const parameter_text = (corners) => `corners: [${corners.flat().join(", ")}]`;
 
-/** Why no sheet can have its corners there; "" where one can. */
-export function fault_of(corners) {
-  const side = (k) => corners[(k + 1) % 4].map((px, axis) => px - corners[k % 4][axis]);
-  for (let k = 0; k < 4; ++k) {
-    if (Math.hypot(...side(k)) >= kLeastSide_px) continue;
-    const both = `The ${kNames[k]} and the ${kNames[(k + 1) % 4]} corner`;
-    return `${both} are closer than ${kLeastSide_px} px.`;
-  }
-  const sines = kNames.map((_, k) => {
-    const [to, from] = [side(k + 3), side(k)];
-    return (to[0] * from[1] - to[1] * from[0]) / (Math.hypot(...to) * Math.hypot(...from));
-  });
-  if (sines.every((sine) => sine <= -kLeastSine)) {
-    return "The corners run anticlockwise, which would mirror the object.";
-  }
-  const wrong = sines.findIndex((sine) => sine < kLeastSine);
-  if (wrong < 0) return "";
-  return `These are no corners of a rectangle: look at the ${kNames[wrong]} one.`;
-}
-
-const kArrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 const kZoom = 6; // of the loupe, against the photograph as it is shown
 const kFewest_px = 16; // of the photograph, across the loupe
 
@@ -95,45 +44,19 @@ class CornerPage {
   }
 
   #make_ring(name, k) {
-    const ring = document.createElement("button");
-    ring.type = "button";
-    ring.className = "ring";
+    const ring = make_ring(name, {
+      box: () => this.image.getBoundingClientRect(),
+      sizes_px: () => this.sizes_px,
+      place: () => this.corners[k],
+      move: (place_px, is_by_key) => {
+        this.#move(k, place_px);
+        if (is_by_key) this.#one("#announcement").textContent = this.corners[k].join(", ");
+      },
+    });
     ring.dataset.row = k < 2 ? "top" : "bottom";
     ring.append(Object.assign(document.createElement("span"), { textContent: k + 1 }));
-    let grip = null; // from the ring's middle to where it is held, in px of the screen
-    ring.addEventListener("pointerdown", (event) => {
-      if (event.button !== 0) return;
-      const box = ring.getBoundingClientRect();
-      grip = [
-        event.clientX - (box.left + box.width / 2),
-        event.clientY - (box.top + box.height / 2),
-      ];
-      ring.setPointerCapture(event.pointerId);
-      ring.focus();
-      event.preventDefault();
-    });
-    ring.addEventListener("pointermove", (event) => {
-      if (!grip) return;
-      const box = this.image.getBoundingClientRect();
-      this.#move(k, [
-        to_px((event.clientX - grip[0] - box.left) / box.width, this.sizes_px[0]),
-        to_px((event.clientY - grip[1] - box.top) / box.height, this.sizes_px[1]),
-      ]);
-    });
-    for (const end of ["pointerup", "pointercancel"]) {
-      ring.addEventListener(end, () => (grip = null));
-    }
-    ring.addEventListener("keydown", (event) => {
-      const arrow = kArrows[event.key];
-      if (!arrow || event.altKey || event.ctrlKey || event.metaKey) return;
-      const step_px = event.shiftKey ? 10 : 1;
-      this.#move(k, [0, 1].map((axis) => this.corners[k][axis] + step_px * arrow[axis]));
-      this.#one("#announcement").textContent = this.corners[k].join(", ");
-      event.preventDefault();
-    });
     this.#look_while_focused(ring, k);
     this.photo.append(ring);
-    ring.title = `${name} corner`;
     return ring;
   }
 

@@ -21,6 +21,13 @@ function shape_of(stages, started) {
   return JSON.stringify([structure, started]);
 }
 
+/** The stage whose shape the live view receives beside that of the frame, or null. */
+export function other_stage_of(settings) {
+  const sinks = settings?.sinks ?? [];
+  const named = sinks.find(({ id, from }) => id === "sinks/live" && from.other_shape);
+  return named?.from.other_shape ?? null;
+}
+
 export class Settings {
   #shape = null;
   #pipeline = "";

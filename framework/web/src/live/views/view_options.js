@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The choices beside the views, which the browser keeps.
 import { recall, remember } from "../layout/memory.js";
+import { other_shape_words } from "../words.js";
 import { kColourings } from "./colouring.js";
 import { kMatchModes } from "./matches.js";
 
 export const kBeside = [
   { name: "none", title: "mesh alone" },
   { name: "before", title: "with frame before" },
-  { name: "other", title: "with other shape" },
+  { name: "other", title: `with ${other_shape_words(null)}` },
   { name: "truth", title: "with ground truth" },
 ];
 
@@ -57,6 +58,11 @@ export class ViewOptions {
       beside: by_id("beside").value,
       surroundings: by_id("surroundings").checked,
     };
+  }
+
+  /** The stage of the other shape, or null. */
+  name_other(stage) {
+    by_id("beside").querySelector("[value=other]").textContent = `with ${other_shape_words(stage)}`;
   }
 
   /** Offers only what a frame has. */
