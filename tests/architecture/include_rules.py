@@ -91,8 +91,12 @@ INTERNAL = {
     "lab/calibration lab/metrics lab/results lab/ablation lab/cluster lab/report lab/bench lab/schema kit/conformance",
 }
 LAYERS = INSTALLED | INTERNAL
-# Plugins and the one room that links OpenCV as they do share the readers of images and videos.
-SHARED_PLUGIN_CODE = {"lab/calibration": ("plugin:common/images", "plugin:common/films")}
+# Plugins and the one room that links OpenCV as they do share the readers of images and videos, and
+# the live view calibrates as that room does.
+SHARED_PLUGIN_CODE = {
+    "lab/calibration": ("plugin:common/images", "plugin:common/films"),
+    "plugin:sinks/live": ("lab/calibration",),
+}
 PLUGIN_LAYERS = ("core", "images", "data", "geometry", "geometry/solid", "generators", "truth", "sdk")
 
 # abi.h is not a layer: these path prefixes may name it. data/array.hpp owns the dtypes and the
@@ -371,6 +375,8 @@ class Tree:
 
     def _rule_for_plugin(self, path: str, name: str, target: str) -> str:
         if target in PLUGIN_LAYERS or (target == "testing" and is_test(path)):
+            return ""
+        if target in SHARED_PLUGIN_CODE.get(scope_of(path), ()):
             return ""
         if target.startswith("plugin:common/"):
             return ""

@@ -138,6 +138,15 @@ class Viewer:
             pass  # settings that have changed
         return head_of(message)
 
+    def settings(self) -> dict:
+        """Those of the hello, or the first ones after it: a run that begins has none yet."""
+        settings = self.hello["settings"]
+        while settings is None:
+            message = self.read()
+            if isinstance(message, dict) and message["type"] == "settings":
+                settings = message["settings"]
+        return settings
+
     def insist(self, text: str) -> str:
         """Requests until the run has room for it; why it refuses, or nothing."""
         end = time.monotonic() + PATIENCE_S

@@ -6,12 +6,15 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "cli/commands.hpp"
+#include "cli/ending/interruption.hpp"
 #include "cli/output/program_root.hpp"
 #include "cli/run/browser.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/run/running.hpp"
+#include "pipeline/steering/settings_list.hpp"
 
 namespace weft::cli {
 namespace {
@@ -29,7 +32,8 @@ struct LiveOptions {
 
 /// Merged into every pipeline: the page, the newest frame only, and what keeps the frames.
 Patch live_patch(bool records) {
-  std::string text = std::string("realtime: latest\nsinks:\n  - {use: ") + kSink + ", as: live}\n";
+  std::string text = std::string("realtime: latest\nsinks:\n  - {use: ") + kSink +
+                     ", as: live, params: {camera_file: camera.yaml}}\n";
   if (records) {
     text +=
         "  - {use: sinks/dataset, as: recording, params: {path: recording, dense_truth: false}}\n";
@@ -147,6 +151,55 @@ constexpr const char* kCalibrationAdvice =
 
 constexpr const char* kPortAdvice = "Another port: --set live.address=127.0.0.1:8091\n";
 
+std::string joined(const std::vector<std::string>& settings) {
+  std::string text;
+  for (const std::string& setting : settings) text += (text.empty() ? "" : ", ") + setting;
+  return text;
+}
+
+/// Runs the pipeline, and again where a client of the page requests it with other settings. If
+/// these do not lead to a run, the run before is started again with a warning: a camera may be
+/// busy, and the page then stays connected.
+void run_and_restart(RunArguments arguments, Context& context) {
+  const std::atomic<bool>& interrupted = watch_for_interruption();
+  const std::string folder = arguments.folder;
+  std::vector<std::string> changed;  // settings of the restart that is tried
+  std::vector<std::string> before = arguments.settings;
+  bool has_started = false;
+  std::string fault;
+  arguments.started = [&has_started, started = arguments.started](const PipelineConfig& config) {
+    if (!std::exchange(has_started, true)) started(config);
+  };
+  arguments.refused = [&fault, refused = arguments.refused](const ConfigReport& report) {
+    fault = report.problems.empty() ? report.text() : report.problems.front().message;
+    refused(report);
+  };
+  arguments.failed = [&fault, failed = arguments.failed](const PipelineConfig& config,
+                                                         const Error& error) {
+    fault = error.message;
+    failed(config, error);
+  };
+  while (true) {
+    has_started = false;
+    const RunCounts counts = run(arguments, context);
+    arguments.doubts.clear();
+    if (interrupted.load()) return;
+    if (counts.restart) {
+      changed = *counts.restart;
+      before = std::exchange(arguments.settings, with_settings(arguments.settings, changed));
+    } else if (!has_started && !changed.empty()) {
+      arguments.doubts = {"the run could not start with " + joined(changed) + ": " + fault +
+                          ". It goes on as before"};
+      arguments.settings = before;
+      changed.clear();
+      context.exit_code = kDone;
+    } else {
+      return;
+    }
+    if (!folder.empty()) arguments.folder = free_beside(folder);
+  }
+}
+
 void run_live(const LiveOptions& options, Context& context) {
   if (options.demo && !(options.run.pipeline.empty() && options.video.empty())) {
     print_error(
@@ -160,12 +213,15 @@ void run_live(const LiveOptions& options, Context& context) {
   if (!options.video.empty()) arguments.patches.push_back(video_patch(options.video));
   arguments.keeps_records = options.keep;
   Browser browser;
+  bool is_open = false;
   arguments.started = [&](const PipelineConfig& config) {
     const auto page = page_of(config);
     fmt::print("{}{}Ctrl-C ends it.\n{}", page ? words_on(*page) : "",
                object_of(options, arguments.pipeline), advice_for(config));
     std::fflush(stdout);
-    if (page && !options.no_browser) browser.open(page->address, page->token);
+    if (page && !options.no_browser && !std::exchange(is_open, true)) {
+      browser.open(page->address, page->token);
+    }
   };
   arguments.refused = [](const ConfigReport& report) {
     const bool lacks_camera = report.text().find("'camera': there is no file") != std::string::npos;
@@ -175,7 +231,8 @@ void run_live(const LiveOptions& options, Context& context) {
     if (is_about_camera(config, error)) fmt::print(stderr, "{}", kAdvice);
     if (error.where.ends_with(kSink)) fmt::print(stderr, "{}", kPortAdvice);
   };
-  run(arguments, context);
+  arguments.restarts = true;
+  run_and_restart(std::move(arguments), context);
 }
 
 }  // namespace

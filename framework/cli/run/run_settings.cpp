@@ -61,7 +61,10 @@ std::string words_on_isolation(const PipelineConfig& config) {
 }
 
 std::string free_folder(const std::string& pipeline) {
-  const std::string base = "runs/" + std::filesystem::path(pipeline).stem().string();
+  return free_beside("runs/" + std::filesystem::path(pipeline).stem().string());
+}
+
+std::string free_beside(const std::string& base) {
   std::string folder = base;
   for (int i = 2; std::filesystem::exists(folder); ++i) folder = base + "-" + std::to_string(i);
   return folder;

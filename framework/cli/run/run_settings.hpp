@@ -27,6 +27,9 @@ std::string words_on_isolation(const PipelineConfig& config);
 /// runs/<pipeline>-2, -3 ... that does not exist.
 std::string free_folder(const std::string& pipeline);
 
+/// `folder`, or the first of folder-2, folder-3 ... that does not exist.
+std::string free_beside(const std::string& folder);
+
 /// A folder that this process alone has made. It is removed at the end, with `runs` where that is
 /// new too, unless something is in it.
 class ClaimedFolder {

@@ -122,6 +122,7 @@ Prepared prepare(const RunArguments& arguments, const host::Registry& registry,
     made.folder = free_folder(arguments.pipeline);
     std::tie(made.pipeline, made.report) = check(arguments, made.folder, registry, checks);
   }
+  for (const std::string& doubt : arguments.doubts) made.pipeline.config.doubts.push_back(doubt);
   return made;
 }
 
@@ -186,6 +187,7 @@ RunCounts run(const RunArguments& arguments, Context& context) {
                                      .registry = &registry,
                                      .repeated = std::move(repeated),
                                      .keeps_records = arguments.keeps_records,
+                                     .restarts = arguments.restarts,
                                      .protects_inputs = arguments.paranoid});
   now_running("the summary");
   progress.clear_bar();
@@ -205,7 +207,9 @@ RunCounts run(const RunArguments& arguments, Context& context) {
   print_end(*summary, config.latest_only, words);
   const bool gave_up = config.stop_on_error && summary->failed > 0;
   if (gave_up || summary->failed > config.max_failed) context.exit_code = kFramesFailed;
-  return progress.statistics().counts();
+  RunCounts counts = progress.statistics().counts();
+  counts.restart = summary->restart;
+  return counts;
 }
 
 }  // namespace weft::cli

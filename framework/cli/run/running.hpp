@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct RunArguments {
   std::string repeated;  ///< frames.jsonl of the run that is repeated, or empty
   std::vector<std::string> settings, dumped;
   std::vector<Patch> patches{};
+  std::vector<std::string> doubts{};  ///< further warnings of the run
+  bool restarts = false;              ///< see RunOptions
   bool quiet = false;
   bool keeps_records = true;     ///< see RunOptions
   bool paranoid = false;         ///< inputs are protected, see RunOptions
@@ -32,6 +35,7 @@ struct RunArguments {
 /// How many frames a run took, and in how many of them the shape has these states.
 struct RunCounts {
   std::int64_t frames = 0, estimated = 0, weak = 0;
+  std::optional<std::vector<std::string>> restart{};  ///< see RunSummary
 };
 
 /// Checks and runs a pipeline with progress on stderr; prints the results and errors. All counts

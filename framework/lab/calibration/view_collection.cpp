@@ -61,10 +61,12 @@ Result<bool> ViewCollection::add_if_new(const Frame& frame) {
   if (!view) {
     keep_unexplained(frame);
     before_.reset();
+    last_fault_ = view.error().message;
     return false;
   }
   const bool still = before_ && is_motionless(*before_, *view);
   before_ = *view;
+  last_fault_.clear();
   if (!still) return false;
   const Placement now = placement_of(*view, size_);
   const bool known = std::any_of(views_.begin(), views_.end(), [&](const View& kept) {

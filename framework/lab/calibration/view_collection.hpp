@@ -34,6 +34,9 @@ class ViewCollection {
   std::size_t frames() const { return frames_; }
   const ImageSize& size() const { return size_; }
   const std::vector<View>& views() const { return views_; }
+  /// The view of the last frame given to `add_if_new`, and why it has none.
+  const std::optional<View>& last() const { return before_; }
+  const std::string& last_fault() const { return last_fault_; }
   /// Only of frames given to `add`.
   const std::vector<NoView>& without() const { return without_; }
   /// Some of the images in which the board was not found, spread over all.
@@ -52,6 +55,7 @@ class ViewCollection {
   std::size_t frames_without_ = 0;
   std::vector<cv::Mat> unexplained_;
   std::optional<View> before_;  ///< view of the last frame, where it had one
+  std::string last_fault_;
 };
 
 }  // namespace weft::calibration

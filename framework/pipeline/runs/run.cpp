@@ -145,7 +145,8 @@ class Run {
     const StageMaker maker{*context_, loop_->input().templ(), loop_->input().camera()};
     steering_ = std::make_unique<Steering>(
         ChangeMaker(pipeline_, maker, check), loop_->executor(), std::move(sinks),
-        options_.repeated ? options_.repeated->changes : ChangesByFrame(), recorder_->folder());
+        options_.repeated ? options_.repeated->changes : ChangesByFrame(), recorder_->folder(),
+        options_.restarts);
   }
 
   void take_all_frames() {
@@ -164,7 +165,10 @@ class Run {
       failure = std::current_exception();
     }
     supply_->stop();
-    if (steering_) summary_.stopped = summary_.stopped || steering_->has_ended();
+    if (steering_) {
+      summary_.stopped = summary_.stopped || steering_->has_ended();
+      summary_.restart = steering_->restart();
+    }
     steering_.reset();
     context_->times().count(context_->times().counted());
     if (writer_) writer_->close();  // its own failure follows from that of an earlier frame

@@ -40,8 +40,10 @@ struct RunSummary {
   std::int64_t frames = 0;   ///< [] number of frames
   std::int64_t failed = 0;   ///< frames with an error in a stage, the source or a sink
   std::int64_t dropped = 0;  ///< frames of the source between those, with `realtime: latest`
-  bool stopped = false;      ///< by on_error: stop, or cancelled
-  bool cancelled = false;    ///< without a frame, also when it was not yet open: no folder is left
+  /// If a client requested that it starts again: with these settings merged into the pipeline.
+  std::optional<std::vector<std::string>> restart;
+  bool stopped = false;    ///< by on_error: stop, or cancelled
+  bool cancelled = false;  ///< without a frame, also when it was not yet open: no folder is left
   std::map<std::string, std::int64_t> late_in;  ///< frames over budget_ms by the stage in which
                                                 ///< that time passed
   std::vector<RunWarning> warnings;             ///< the first 100 of each text, and how many more
@@ -84,6 +86,8 @@ struct RunOptions {
   std::optional<RecordedRun> repeated{};
   /// True if the folder has the records of each frame; else only its lines are left.
   bool keeps_records = true;
+  /// True if the caller starts the run again where RunSummary::restart demands it.
+  bool restarts = false;
   bool protects_inputs = false;  ///< see host::ExecutionContext::protect_inputs()
 };
 

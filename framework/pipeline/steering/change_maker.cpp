@@ -7,14 +7,12 @@
 #include <weft/core/quote.hpp>
 
 #include "pipeline/steering/settings_json.hpp"
+#include "pipeline/steering/settings_list.hpp"
 
 namespace weft {
 namespace {
 
 Error refused(std::string why) { return {Errc::unsupported, std::move(why)}; }
-
-/// Path of a setting: "filters.alpha_s".
-std::string_view path_of(std::string_view setting) { return setting.substr(0, setting.find('=')); }
 
 /// The keys of a component beside its parameters decide what it is, and what it reads and when.
 bool is_parameter(std::string_view path) {
@@ -52,10 +50,7 @@ ChangeMaker::ChangeMaker(const CheckedPipeline& pipeline, StageMaker maker, Chec
 Result<PipelineChange> ChangeMaker::make(const std::string& setting) {
   const auto stage = stage_of(setting);
   if (!stage) return stage.error();
-  std::vector<std::string> settings = settings_;
-  std::erase_if(settings,
-                [&](const std::string& earlier) { return path_of(earlier) == path_of(setting); });
-  settings.push_back(setting);
+  std::vector<std::string> settings = with_settings(settings_, {setting});
   auto checked = check_(settings);
   if (!checked) return checked.error();
   auto change = changed(*stage, *std::move(checked));
@@ -97,6 +92,14 @@ Result<PipelineChange> ChangeMaker::changed(std::size_t stage, CheckedPipeline c
   components_[stage] = std::move(component);
   change.stages.push_back({stage, config, *std::move(made)});
   return change;
+}
+
+Result<std::vector<std::string>> ChangeMaker::with_changes(
+    const std::vector<std::string>& more) const {
+  std::vector<std::string> settings = with_settings(settings_, more);
+  const auto checked = check_(settings);
+  if (!checked) return checked.error();
+  return settings;
 }
 
 Result<std::string> ChangeMaker::yaml() const {

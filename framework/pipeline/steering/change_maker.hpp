@@ -40,6 +40,10 @@ class ChangeMaker {
   /// before stay.
   Result<PipelineChange> make(const std::string& setting);
 
+  /// All changes so far with `more` merged into them, in the form of `weft run --set`; refuses what
+  /// `check` refuses. Unlike changes, these settings may be of the source, the template or a sink.
+  Result<std::vector<std::string>> with_changes(const std::vector<std::string>& more) const;
+
   /// The pipeline with all changes so far, as YAML without secrets.
   Result<std::string> yaml() const;
 

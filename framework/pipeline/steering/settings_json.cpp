@@ -99,8 +99,19 @@ std::string settings_json(const PipelineConfig& config) {
     sinks.push_back(
         {{"sink", sink.name}, {"id", sink.component.component().id}, {"from", choices_of(sink)}});
   }
-  return ordered_json{
-      {"pipeline", config.file}, {"stages", std::move(stages)}, {"sinks", std::move(sinks)}}
+  ordered_json source;
+  if (config.source) {
+    ordered_json parameters = ordered_json::array();
+    add_parameters(config.source->component, "source.", parameters);
+    source = {{"id", config.source->component.component().id},
+              {"parameters", std::move(parameters)}};
+  }
+  return ordered_json{{"warnings", config.doubts},
+                      {"source", std::move(source)},
+
+                      {"pipeline", config.file},
+                      {"stages", std::move(stages)},
+                      {"sinks", std::move(sinks)}}
       .dump(-1, ' ', false, ordered_json::error_handler_t::replace);
 }
 

@@ -2,6 +2,7 @@
 #include "pipeline/steering/steering.hpp"
 
 #include <chrono>
+#include <nlohmann/json.hpp>
 #include <weft/core/quote.hpp>
 
 #include "pipeline/steering/settings_file.hpp"
@@ -17,12 +18,13 @@ void tell(const host::Instance& sink, const ChangeAnswer& answer) {
 }  // namespace
 
 Steering::Steering(ChangeMaker maker, Executor& executor, std::vector<const host::Instance*> sinks,
-                   ChangesByFrame repeated, std::string folder)
+                   ChangesByFrame repeated, std::string folder, bool restarts)
     : maker_(std::move(maker)),
       executor_(executor),
       sinks_(std::move(sinks)),
       repeated_(std::move(repeated)),
       folder_(std::move(folder)),
+      restarts_(restarts),
       thread_([this] { make_all(); }) {}
 
 Steering::~Steering() {
@@ -51,14 +53,23 @@ void Steering::take_change_requests() {
     if (!requests) continue;
     for (const ChangeRequest& request : *requests) hear(*sink, request);
   }
+  if (restart()) pace_ = Pace::ended;
+}
+
+std::optional<std::vector<std::string>> Steering::restart() {
+  const std::lock_guard lock(mutex_);
+  return restart_;
 }
 
 void Steering::hear(const host::Instance& sink, const ChangeRequest& request) {
-  constexpr std::string_view kSet = "set ";
+  constexpr std::string_view kSet = "set ", kRestart = "restart ";
   if (request.text.starts_with(kSet)) {
-    return ask({&sink, request.number, request.text.substr(kSet.size()), false});
+    return ask({&sink, request.number, request.text.substr(kSet.size())});
   }
-  if (request.text == "save") return ask({&sink, request.number, "", true});
+  if (request.text == "save") return ask({&sink, request.number, "", Asked::Kind::save});
+  if (request.text.starts_with(kRestart) && restarts_) {
+    return ask({&sink, request.number, request.text.substr(kRestart.size()), Asked::Kind::restart});
+  }
   static constexpr std::pair<std::string_view, Pace> kPaces[] = {{"pause", Pace::pausing},
                                                                  {"step", Pace::stepping},
                                                                  {"resume", Pace::going},
@@ -69,8 +80,10 @@ void Steering::hear(const host::Instance& sink, const ChangeRequest& request) {
     return tell(sink, {request.number, next_frame_, ""});
   }
   tell(sink, {request.number, 0,
-              "no run accepts " + quote(request.text) +
-                  "; send set PATH=VALUE, save, pause, step, resume or stop"});
+              request.text.starts_with(kRestart)
+                  ? "only weft live starts a run again: end this one, and start it with --set"
+                  : "no run accepts " + quote(request.text) +
+                        "; send set PATH=VALUE, save, pause, step, resume, stop or restart LIST"});
 }
 
 void Steering::ask(Asked asked) {
@@ -90,8 +103,8 @@ void Steering::make_all() {
     asked_.pop_front();
     is_making_ = true;
     lock.unlock();
-    if (asked.saves) {
-      save(asked);
+    if (asked.kind != Asked::Kind::change) {
+      asked.kind == Asked::Kind::save ? save(asked) : prepare_restart(asked);
       lock.lock();
       is_making_ = false;
       continue;
@@ -122,12 +135,29 @@ void Steering::save(const Asked& asked) const {
   tell(*asked.sink, {asked.number, 0, number.error().message});
 }
 
+void Steering::prepare_restart(const Asked& asked) {
+  std::vector<std::string> more;
+  try {
+    more = nlohmann::json::parse(asked.setting).get<std::vector<std::string>>();
+  } catch (const nlohmann::json::exception&) {
+    return tell(*asked.sink, {asked.number, 0,
+                              "restart needs a JSON list of texts, such as "
+                              "[\"source.device=1\"], not " +
+                                  quote(asked.setting)});
+  }
+  auto settings = maker_.with_changes(more);
+  if (!settings) return tell(*asked.sink, {asked.number, 0, settings.error().message});
+  tell(*asked.sink, {asked.number, 0, ""});  // the sink is gone when the run has ended
+  const std::lock_guard lock(mutex_);
+  restart_ = *std::move(settings);
+}
+
 /// Waits for the changes of an earlier run up to this frame.
 Result<void> Steering::repeat(std::uint64_t frame) {
   if (repeated_.empty() || repeated_.begin()->first > frame) return {};
   for (auto due = repeated_.begin(); due != repeated_.end() && due->first <= frame;
        due = repeated_.erase(due)) {
-    for (std::string& setting : due->second) ask({nullptr, 0, std::move(setting), false});
+    for (std::string& setting : due->second) ask({nullptr, 0, std::move(setting)});
   }
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return asked_.empty() && !is_making_; });

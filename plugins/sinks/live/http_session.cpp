@@ -13,6 +13,7 @@
 #include <sstream>
 #include <utility>
 
+#include "camera/device_list.hpp"
 #include "page.hpp"
 #include "sessions.hpp"
 
@@ -159,8 +160,12 @@ class HttpSession final : public Client, public std::enable_shared_from_this<Htt
       return serve_lines(stream_.release_socket(), hub_,
                          text_of({http::status::ok, "application/jsonl", std::nullopt}));
     }
+    if (path == "/cameras.json") {
+      sentence_ = device_list(capture_devices::list_devices());
+      return answer({http::status::ok, "application/json", sentence_.size()}, sentence_);
+    }
     if (file == nullptr) {
-      return refuse(http::status::not_found, "There are /, /ws and /frames.jsonl.");
+      return refuse(http::status::not_found, "There are /, /ws, /frames.jsonl and /cameras.json.");
     }
     answer({http::status::ok, file->type, file->content.size()}, file->content);
   }

@@ -15,6 +15,7 @@
 #include <weft/data/camera.hpp>
 
 #include "access_policy.hpp"
+#include "camera/calibrator.hpp"
 #include "run_channel.hpp"
 
 namespace weft::live {
@@ -42,6 +43,7 @@ struct LiveSetup {
   std::vector<std::int32_t> faces{};  ///< [F,3] vertex indices
   std::string scene{};                ///< members of hello, see messages.hpp
   Limits limits{};
+  Calibrator* calibrator = nullptr;  ///< outlives the server; null in tests of other things
 };
 
 /// One connection. Everything of it belongs to the server's thread.
@@ -93,6 +95,8 @@ struct Hub {
   bool has_left = false;          ///< the run goes on since the client that paused it has left
   std::uint64_t pause_frame = 0;  ///< from which that holds
   std::uint64_t pause_count = 0;
+  std::string calibration;  ///< members of its message; empty before the first one
+  std::uint64_t calibration_count = 0;
   bool is_still = false;  ///< no frame has come for Limits::still
   std::uint64_t still_count = 0;
   std::set<Client*> clients;  ///< all connections, guests included

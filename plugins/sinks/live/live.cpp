@@ -6,6 +6,7 @@
 #include <weft/data/owned.hpp>
 #include <weft/sdk/sink.hpp>
 
+#include "camera/calibrator.hpp"
 #include "messages.hpp"
 #include "server.hpp"
 #include "token.hpp"
@@ -36,6 +37,9 @@ class Live final : public Sink {
            "JPEG quality of the images sent to clients");
     p.read("image_width_px", style_.width_px, "px", {0, 20'000},
            "maximum width of the images sent to clients; wider ones are scaled down; 0: no limit");
+    p.output_path("camera_file", camera_file_,
+                  "camera file that a calibration in the page writes; without it the page only "
+                  "saves it in the browser");
   }
 
   void check(Mistakes& mistakes) const {
@@ -71,6 +75,10 @@ class Live final : public Sink {
         AccessPolicy(place->host, *token, origin_), style_, camera_, faces_, scene_, {}};
     if (auto fits = setup.policy.check_token(); !fits) return fits;
     if (auto fits = setup.policy.check_origin(); !fits) return fits;
+    calibrator_ = make_calibrator(camera_file_, [this](std::string state) {
+      run_channel_.put_calibration(std::move(state));
+    });
+    setup.calibrator = calibrator_.get();
     auto started = start_server(*place, std::move(setup), run_channel_);
     if (!started) return started.error();
     server_ = *std::move(started);
@@ -90,6 +98,9 @@ class Live final : public Sink {
       run_channel_.put_settings(in.run_settings->json);
     }
     if (in.frame_report && run_channel_.is_read()) run_channel_.put_line(in.frame_report->json);
+    if (in.image && calibrator_->wants_frame() && run_channel_.is_watched()) {
+      calibrator_->put_frame(in.image->pixels, in.call.frame());
+    }
     if (run_channel_.is_watched()) {
       run_channel_.put_frame(shown_of(in));
     } else {
@@ -102,6 +113,7 @@ class Live final : public Sink {
   Result<void> finish(const Call&) override {
     if (server_) server_->finish();
     server_.reset();
+    calibrator_.reset();
     return {};
   }
 
@@ -161,7 +173,7 @@ class Live final : public Sink {
     return shown;
   }
 
-  std::string address_ = "127.0.0.1:8090", token_, token_file_, origin_;
+  std::string address_ = "127.0.0.1:8090", token_, token_file_, origin_, camera_file_;
   PictureStyle style_;
 
   std::int64_t vertex_count_ = 0;
@@ -171,7 +183,8 @@ class Live final : public Sink {
   std::string scene_;
   std::optional<std::uint64_t> settings_revision_;
   std::uint64_t written_ = 0;  ///< [] frames
-  RunChannel run_channel_;     // outlives the server
+  RunChannel run_channel_;     // outlives the calibrator and the server
+  std::unique_ptr<Calibrator> calibrator_;
   std::unique_ptr<Server> server_;
   std::chrono::steady_clock::time_point opened_;
 };

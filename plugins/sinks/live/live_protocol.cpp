@@ -26,6 +26,10 @@ class LiveProtocol final : public Protocol {
       settings_had_ = hub_.settings_count;
       return text_message(settings_message(hub_.settings));
     }
+    if (calibration_had_ != hub_.calibration_count) {
+      calibration_had_ = hub_.calibration_count;
+      return text_message(calibration_message(hub_.calibration));
+    }
     if (pause_had_ != hub_.pause_count) {
       pause_had_ = hub_.pause_count;
       return text_message(pause_message(hub_.is_paused, hub_.pause_frame, hub_.has_left));
@@ -51,6 +55,12 @@ class LiveProtocol final : public Protocol {
       is_ready_ = true;
       return {};
     }
+    constexpr std::string_view kCalibrate = "calibrate ";
+    if (said->text.starts_with(kCalibrate) && hub_.setup.calibrator != nullptr) {
+      const std::string_view request = std::string_view(said->text).substr(kCalibrate.size());
+      answers_.push_back(answer_message(said->number, 0, hub_.setup.calibrator->ask(request)));
+      return {};
+    }
     const std::string refusal = hub_.run_channel.ask(client_, said->number, said->text);
     if (!refusal.empty()) answers_.push_back(answer_message(said->number, 0, refusal));
     return {};
@@ -69,7 +79,8 @@ class LiveProtocol final : public Protocol {
   Hub& hub_;
   ClientId client_;
   bool is_greeted_ = false, is_ready_ = false;
-  std::uint64_t settings_had_ = 0, pause_had_ = 0, still_had_ = 0, frame_had_ = 0;
+  std::uint64_t calibration_had_ = 0, settings_had_ = 0, pause_had_ = 0, still_had_ = 0,
+                frame_had_ = 0;
   std::deque<std::string> answers_;
 };
 

@@ -183,6 +183,12 @@ std::string still_message(bool is_still) {
   return std::string("{\"type\":\"still\",\"still\":") + (is_still ? "true}" : "false}");
 }
 
+std::string calibration_message(const std::string& state) {
+  std::string text = "{\"type\":\"calibration\",";
+  add_object(text, "calibration", state);
+  return text + "}";
+}
+
 std::string frame_message(const FrameCopy& frame, const std::string& jpeg) {
   const std::vector<Part> parts = parts_of(frame, jpeg);
   std::string text = "{\"frame\":";

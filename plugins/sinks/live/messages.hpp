@@ -26,6 +26,8 @@ std::string answer_message(std::uint64_t number, std::uint64_t frame, const std:
 /// The pause state of the run, whichever client requested it.
 std::string pause_message(bool is_paused, std::uint64_t frame, bool has_left = false);
 std::string still_message(bool is_still);
+/// `state` is a JSON object, of Calibrator.
+std::string calibration_message(const std::string& state);
 
 /// `jpeg` is the image, or empty.
 std::string frame_message(const FrameCopy& frame, const std::string& jpeg);

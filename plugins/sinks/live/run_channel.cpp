@@ -60,6 +60,12 @@ void RunChannel::put_settings(std::string settings) {
   wake();
 }
 
+void RunChannel::put_calibration(std::string state) {
+  const std::lock_guard lock(mutex_);
+  arrivals_.calibration = std::move(state);
+  wake();
+}
+
 std::vector<ChangeRequest> RunChannel::take_change_requests() {
   const std::lock_guard lock(mutex_);
   if (is_abandoned_) add_request(kServer, 0, "resume");  // even if there is no room for more

@@ -35,6 +35,7 @@ struct Arrivals {
   std::optional<FrameCopy> frame;  ///< the newest
   std::deque<std::string> lines;   ///< reports, the newest ones
   std::optional<std::string> settings;
+  std::optional<std::string> calibration;  ///< its newest state
   std::vector<ClientAnswer> answers;
 };
 
@@ -51,6 +52,7 @@ class RunChannel {
   void pass_frame();
   void put_line(std::string line);
   void put_settings(std::string settings);
+  void put_calibration(std::string state);
   std::vector<ChangeRequest> take_change_requests();
   void answer(const ChangeAnswer& answer);
 

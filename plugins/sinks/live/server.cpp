@@ -123,13 +123,17 @@ class TcpServer final : public Server {
       if (hub_.settings_count == 0) hub_.started_with = hub_.settings;
       ++hub_.settings_count;
     }
+    if (arrivals.calibration) {
+      hub_.calibration = *std::move(arrivals.calibration);
+      ++hub_.calibration_count;
+    }
     if (arrivals.is_passed) hub_.newest.reset();
     if (arrivals.frame) {
       hub_.newest = std::make_shared<ShownFrame>(*std::move(arrivals.frame), hub_.setup.style);
       ++hub_.frame_count;
     }
-    bool has_news = false;
-    if (arrivals.is_passed || arrivals.frame) has_news = frames_come();
+    bool has_news = arrivals.calibration.has_value();
+    if (arrivals.is_passed || arrivals.frame) has_news = frames_come() || has_news;
     for (const ClientAnswer& answer : arrivals.answers) {
       if (!answer.pauses) continue;
       hub_.is_paused = *answer.pauses;

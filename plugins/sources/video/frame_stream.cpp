@@ -79,17 +79,25 @@ Result<FrameStream> FrameStream::open_device(int number, const CameraSettings& s
                                ": cannot be opened as a camera: end other programs that use it, "
                                "and check that you may read it (group video)"};
   }
-  stream.capture_.set(cv::CAP_PROP_FRAME_WIDTH, settings.size_px.width);
-  stream.capture_.set(cv::CAP_PROP_FRAME_HEIGHT, settings.size_px.height);
   const auto refused = [&](const char* parameter) {
     return Error{Errc::invalid_value, stream.name_ + ": the camera does not take '" + parameter +
                                           "': leave it out, or see v4l2-ctl --list-ctrls-menus"};
   };
+  if (settings.format.size() == 4) {
+    const char* const format = settings.format.c_str();
+    const int code = cv::VideoWriter::fourcc(format[0], format[1], format[2], format[3]);
+    if (!stream.capture_.set(cv::CAP_PROP_FOURCC, code)) return refused("format");
+  }
+  stream.capture_.set(cv::CAP_PROP_FRAME_WIDTH, settings.size_px.width);
+  stream.capture_.set(cv::CAP_PROP_FRAME_HEIGHT, settings.size_px.height);
   if (settings.fps > 0.0 && !stream.capture_.set(cv::CAP_PROP_FPS, settings.fps)) {
     return refused("fps");
   }
+  constexpr double kManual = 1.0, kAutomatic = 3.0, kUnits_per_ms = 10.0;  // values of V4L2
+  if (settings.exposure_ms < 0.0 && !stream.capture_.set(cv::CAP_PROP_AUTO_EXPOSURE, kAutomatic)) {
+    return refused("exposure_ms");
+  }
   if (settings.exposure_ms > 0.0) {
-    constexpr double kManual = 1.0, kUnits_per_ms = 10.0;  // values of V4L2
     const bool taken =
         stream.capture_.set(cv::CAP_PROP_AUTO_EXPOSURE, kManual) &&
         stream.capture_.set(cv::CAP_PROP_EXPOSURE, kUnits_per_ms * settings.exposure_ms);
@@ -182,7 +190,7 @@ Result<void> FrameStream::ending() const {
 Result<cv::Mat> FrameStream::image() {
   if (film_) {
     auto image = film_->image();
-    if (image) *image = image_files::upright(*image, film_->orientation());
+    if (image) *image = image_files::upright(*image, orientation());
     return image;
   }
   cv::Mat image;
@@ -191,18 +199,32 @@ Result<cv::Mat> FrameStream::image() {
   } catch (const cv::Exception&) {
     image.release();
   }
-  if (!image.empty() && image.type() == CV_8UC3) return image;
+  if (!image.empty() && image.type() == CV_8UC3) {
+    return image_files::upright(image, orientation());
+  }
   return Error{Errc::invalid_data,
                name_ + ": frame " + std::to_string(number_) + " cannot be decoded"};
+}
+
+/// The orientation that the file demands, followed by the quarter turns; 1 to 8 as in EXIF.
+int FrameStream::orientation() const {
+  constexpr int kTurned[] = {1, 6, 7, 8, 5,
+                             2, 3, 4, 1};  // each one, turned clockwise by 90 degrees
+  int orientation = film_ ? film_->orientation() : 1;
+  for (int turn = 0; turn < quarter_turns_; ++turn) orientation = kTurned[orientation];
+  return orientation;
 }
 
 std::string FrameStream::damage() { return film_ ? film_->damage() : std::string(); }
 
 Result<cameras::StoredImages> FrameStream::stored() {
-  if (film_) return cameras::StoredImages{film_->size_px(), film_->orientation()};
+  if (film_) return cameras::StoredImages{film_->size_px(), orientation()};
   const auto first = image();
   if (!first) return first.error();
-  return cameras::StoredImages{first->size(), 1};
+  const bool is_sideways = quarter_turns_ % 2 != 0;
+  return cameras::StoredImages{
+      is_sideways ? cv::Size(first->rows, first->cols) : cv::Size(first->cols, first->rows),
+      orientation()};
 }
 
 }  // namespace weft::video

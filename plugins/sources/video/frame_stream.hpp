@@ -17,8 +17,9 @@ namespace weft::video {
 /// The settings that are requested from a camera.
 struct CameraSettings {
   cv::Size size_px;
+  std::string format;        ///< four characters such as MJPG; empty for its own
   double fps = 0.0;          ///< [1/s] 0 for its own
-  double exposure_ms = 0.0;  ///< [ms] 0 for its own
+  double exposure_ms = 0.0;  ///< [ms] 0 for that which it has, below 0 for an automatic one
 };
 
 /// The frames of a video file or of a camera, one after the other. It never seeks: the containers'
@@ -34,6 +35,10 @@ class FrameStream {
   /// GStreamer that ends in `appsink`. Waits at most `patience_s` for it.
   static Result<FrameStream> open_address(const std::string& address, double patience_s,
                                           const std::function<bool()>& cancelled);
+
+  /// From now on images are turned clockwise by this number of quarter turns, after the rotation
+  /// of the file.
+  void turn(int quarter_turns) { quarter_turns_ = quarter_turns; }
 
   /// Goes to the next frame, at first to frame 0; false when there is none.
   bool advance();
@@ -62,12 +67,14 @@ class FrameStream {
 
  private:
   double next_stamp_s();
+  int orientation() const;
 
   std::shared_ptr<const void> pipe_;  ///< that `capture_` reads, if any
   cv::VideoCapture capture_;          ///< for live sources
   std::optional<films::Film> film_;   ///< for a file
   std::string name_;
   bool is_live_ = false;
+  int quarter_turns_ = 0;
   double fps_ = 0.0;         // for a file
   double promised_s_ = 0.0;  // length of a file according to its header, 0 if it has none
   std::int64_t number_ = -1;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <thread>
 #include <utility>
+#include <weft/core/quote.hpp>
 #include <weft/sdk/source.hpp>
 
 #include "common/assumed_cameras/assumed_camera.hpp"
@@ -35,10 +36,18 @@ class Video final : public Source {
     p.read("start_s", start_s_, "s", {0.0, 1e6}, "time before which frames are skipped");
     p.read("step", step_, "", {1, 1'000'000}, "interval of the frames that are used");
     p.read("max_frames", max_frames_, "", {0, 1'000'000'000}, "maximum number of frames; 0: all");
-    p.read("fps", fps_, "1/s", {0.0, 10'000.0},
+    p.read("width_px", size_px_.width, "px", {0, 65'535},
+           "width requested from a device; 0: that of the camera file, else 640");
+    p.read("height_px", size_px_.height, "px", {0, 65'535},
+           "height requested from a device; 0: that of the camera file, else 480");
+    p.text("format", settings_.format,
+           "pixel format requested from a device, four characters such as MJPG");
+    p.read("fps", settings_.fps, "1/s", {0.0, 10'000.0},
            "frame rate requested from a device; 0: its default");
-    p.read("exposure_ms", exposure_ms_, "ms", {0.0, 10'000.0},
-           "exposure time requested from a device; 0: its default");
+    p.read("exposure_ms", settings_.exposure_ms, "ms", {-1.0, 10'000.0},
+           "exposure time requested from a device; 0: as it is set, below 0: automatic");
+    p.read("rotation_deg", rotation_deg_, "deg", {0, 270},
+           "clockwise rotation of the images, with their camera: 0, 90, 180 or 270");
     p.formerly("patience_s")
         .read("timeout_s", patience_s_, "s", {0.0, 86'400.0},
               "maximum time without frames before a camera is given up");
@@ -53,6 +62,9 @@ class Video final : public Source {
     const auto camera = is_calibrated() ? cameras::CalibratedCamera::read_sizes(camera_path_)
                                         : cameras::CalibratedCamera();
     const bool calibrated = mistakes.expect("camera", camera) && is_calibrated();
+    mistakes.expect("rotation_deg", check_rotation());
+    mistakes.expect("format", check_format());
+    mistakes.expect("width_px", check_size(camera));
     if (!mistakes.expect(given(), check_choice())) return;
     if (live()) return;
     auto stream = FrameStream::open_file(path_);
@@ -73,6 +85,7 @@ class Video final : public Source {
     if (auto started = start(call); !started) return about(given(), started.error());
     const auto stored = stream_.stored();
     if (!stored) return stored.error();
+    if (auto sent = check_sent(stored->size_px); !sent) return about("width_px", sent.error());
     if (!is_calibrated()) {
       const auto assumed = cameras::assume_camera({{stream_.name(), stored->size_px}}, focal_);
       if (!assumed) return assumed.error();
@@ -134,6 +147,7 @@ class Video final : public Source {
     auto opened = open_stream(patience_s_, call);
     if (!opened) return opened.error();
     stream_ = *std::move(opened);
+    stream_.turn(rotation_deg_ / 90);
     do {
       if (call.cancelled()) return cancelled();
       if (!stream_.advance()) return no_start();
@@ -149,9 +163,48 @@ class Video final : public Source {
     if (!address_.empty()) {
       return FrameStream::open_address(address_, patience_s, [&] { return call.cancelled(); });
     }
-    const cv::Size size_px =
-        is_calibrated() ? camera_.size_px() : cv::Size(kUsualWidth_px, kUsualHeight_px);
-    return FrameStream::open_device(device_, {size_px, fps_, exposure_ms_});
+    CameraSettings settings = settings_;
+    settings.size_px = {kUsualWidth_px, kUsualHeight_px};
+    if (is_calibrated()) settings.size_px = camera_.size_px();
+    if (size_px_.area() > 0) settings.size_px = size_px_;
+    return FrameStream::open_device(device_, settings);
+  }
+
+  Result<void> check_rotation() const {
+    if (rotation_deg_ % 90 == 0) return {};
+    return Error{Errc::invalid_value,
+                 fmt::format("is {}: give 0, 90, 180 or 270 degrees", rotation_deg_)};
+  }
+
+  Result<void> check_format() const {
+    if (settings_.format.empty() || settings_.format.size() == 4) return {};
+    return Error{Errc::invalid_value,
+                 quote(settings_.format) + " has not four characters; see v4l2-ctl --list-formats"};
+  }
+
+  template <class SizeRead>
+  Result<void> check_size(const SizeRead& camera) const {
+    if ((size_px_.width > 0) != (size_px_.height > 0)) {
+      return Error{Errc::invalid_value, "give 'width_px' and 'height_px', both or none"};
+    }
+    if (size_px_.width == 0 || !is_calibrated() || !camera || camera->size_px() == size_px_) {
+      return {};
+    }
+    return Error{Errc::invalid_value,
+                 fmt::format("the camera file describes images of {} x {} px: leave 'width_px' and "
+                             "'height_px' out, or calibrate the camera at this size",
+                             camera->size_px().width, camera->size_px().height)};
+  }
+
+  /// A camera that lacks the requested size sends another one.
+  Result<void> check_sent(const cv::Size& size_px) const {
+    if (device_ < 0 || size_px_.area() == 0 || size_px == size_px_) return {};
+    return Error{
+        Errc::invalid_value,
+        fmt::format("{}: the camera sends {} x {} px instead of {} x {}: choose a size and "
+                    "a 'format' of v4l2-ctl --list-formats-ext",
+                    stream_.name(), size_px.width, size_px.height, size_px_.width,
+                    size_px_.height)};
   }
 
   Result<void> check_choice() const {
@@ -212,6 +265,7 @@ class Video final : public Source {
     while (!call.cancelled() && away_s() < patience_s_) {
       auto opened = open_stream(patience_s_ - away_s(), call);
       if (opened && opened->advance()) {
+        opened->turn(rotation_deg_ / 90);
         opened->continue_from(stream_, away_s());
         stream_ = *std::move(opened);
         gap_ = fmt::format("{}: the camera gave no frames for {:.1f} s and was opened again",
@@ -242,8 +296,10 @@ class Video final : public Source {
   double start_s_ = 0.0;
   int step_ = 1;
   std::int64_t max_frames_ = 0;
-  double fps_ = 0.0, exposure_ms_ = 0.0, patience_s_ = 5.0;
-  int longest_px_ = 0;
+  CameraSettings settings_;
+  cv::Size size_px_;  ///< requested; 0 x 0: not given
+  double patience_s_ = 5.0;
+  int rotation_deg_ = 0, longest_px_ = 0;
 
   cameras::CalibratedCamera camera_;
   FrameStream stream_;
@@ -259,4 +315,4 @@ class Video final : public Source {
 }  // namespace weft::video
 
 using weft::video::Video;
-WEFT_PLUGIN(Video, "sources/video", "1.3.0", "Reads a video file or a camera, undistorted.")
+WEFT_PLUGIN(Video, "sources/video", "1.4.0", "Reads a video file or a camera, undistorted.")

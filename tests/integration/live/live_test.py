@@ -21,7 +21,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 
-from live_client import Viewer
+from live_client import Closed, Viewer
 
 TOKEN = "a-token-that-is-seen-nowhere"
 PATIENCE_S = 240  # for each answer, on a busy machine
@@ -146,6 +146,60 @@ class Live(unittest.TestCase):
             self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
             (self.folder / "run").rename(self.folder / "elsewhere")
             self.assertIn("it is no folder any more", client.request("save")["refusal"])
+
+    def until_closed(self, client: Viewer) -> None:
+        with self.assertRaises((Closed, ConnectionError)):
+            while True:
+                client.read()
+
+    def connect(self) -> Viewer:
+        """A client of the run that comes next."""
+        end = time.monotonic() + PATIENCE_S
+        while True:
+            try:
+                return Viewer(self.port())
+            except (ConnectionError, Closed):
+                self.assertLess(time.monotonic(), end, "no run answers")
+                time.sleep(0.02)
+
+    def test_a_client_starts_the_run_again_with_settings_of_the_source(self) -> None:
+        live = self.start("--demo")
+        live.stdout.readline()
+        with Viewer(self.port()) as client:
+            client.frame()
+            for wrong, why in (("source.bend_per_m", "JSON list"), ('["source.bend=1"]', "bend"),
+                               ('["source.bend_per_m=no"]', "no")):
+                self.assertIn(why, client.request(f"restart {wrong}")["refusal"])
+            self.assertEqual(client.request("set filters.stiffness=12")["refusal"], "")
+            self.assertEqual(client.request('restart ["source.bend_per_m=5"]')["refusal"], "")
+            self.until_closed(client)
+        with self.connect() as client:
+            settings = client.settings()
+            values = {each["setting"]: each["value"] for each in settings["source"]["parameters"]}
+            self.assertEqual(values["source.bend_per_m"], 5)
+            changed = {each["setting"]: each["value"] for stage in settings["stages"]
+                       for each in stage["parameters"]}
+            self.assertEqual(changed["filters.stiffness"], 12)
+            # A source that cannot be opened leads back to the run before, with the reason.
+            self.assertEqual(client.request(
+                'restart ["source.use=sources/video", "source.device=1023", "source.camera=auto"]')
+                ["refusal"], "")
+            self.until_closed(client)
+        with self.connect() as client:
+            settings = client.settings()
+            self.assertEqual(settings["source"]["id"], "sources/synthetic")
+            self.assertIn("/dev/video1023", settings["warnings"][0])
+        self.stop(live)
+        self.assertTrue((self.folder / "run-2").is_dir())
+
+    def test_cameras_are_listed(self) -> None:
+        live = self.start("--demo")
+        live.stdout.readline()
+        with self.open("/cameras.json") as answer:
+            cameras = json.load(answer)["cameras"]
+        for camera in cameras:
+            self.assertLessEqual({"device", "name", "modes"}, camera.keys())
+        self.stop(live)
 
     def test_a_token_is_in_no_file_and_in_no_argument(self) -> None:
         """It is given in one of three ways; the desktop's program notes how it is started."""

@@ -11,6 +11,7 @@
 
 #include "pipeline/steering/settings_file.hpp"
 #include "pipeline/steering/settings_json.hpp"
+#include "pipeline/steering/settings_list.hpp"
 #include "support/pipeline_fixture.hpp"
 
 namespace weft {
@@ -179,6 +180,22 @@ TEST_F(Changes, SavedSettingsAreAPipelineThatRunsWithThemAndReplaceNoFile) {
   EXPECT_EQ(every("settings-1.yaml"), 0);
   EXPECT_EQ(every("settings-2.yaml"), 5);
   EXPECT_EQ(every("settings-3.yaml"), 5);
+}
+
+TEST_F(Changes, ARestartIsRefusedWhereTheCallerStartsNoRunAgain) {
+  const Ran ran = steer(R"(0: 'restart ["filters.every=5"]')", kLong);
+  ASSERT_TRUE(ran.summary) << ran.summary.error().message;
+  EXPECT_FALSE(ran.summary->restart);
+  EXPECT_THAT(answers(ran), ::testing::Contains(HasSubstr("only weft live")));
+}
+
+TEST(SettingsList, ReplacesSettingsOfThePathAndOfAnotherComponent) {
+  const std::vector<std::string> settings{"source.device=1", "filters.a=1", "sources.b=2"};
+  EXPECT_EQ(with_settings(settings, {"filters.a=3"}),
+            (std::vector<std::string>{"source.device=1", "sources.b=2", "filters.a=3"}));
+  EXPECT_EQ(with_settings(settings, {"source.use=sources/video", "source.device=2"}),
+            (std::vector<std::string>{"filters.a=1", "sources.b=2", "source.use=sources/video",
+                                      "source.device=2"}));
 }
 
 TEST(SettingsFile, ReplacesNoFileAndExplainsWhyNothingIsSaved) {

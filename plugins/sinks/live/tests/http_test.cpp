@@ -43,7 +43,8 @@ TEST_F(LiveHttp, ThePageHasNoScriptOrStyleThatItsPolicyForbids) {
 TEST_F(LiveHttp, SaysWhatThereIsWhereSomethingElseIsAskedFor) {
   start();
   EXPECT_EQ(status_of(get("/favicon.ico")), "404");
-  EXPECT_THAT(content_of(get("/../etc/passwd")), HasSubstr("There are /, /ws and /frames.jsonl."));
+  EXPECT_THAT(content_of(get("/../etc/passwd")),
+              HasSubstr("There are /, /ws, /frames.jsonl and /cameras.json."));
   EXPECT_EQ(status_of(get("/ws")), "426");
   EXPECT_EQ(status_of(answer_to(port_, "POST / HTTP/1.1\r\nHost: localhost\r\n\r\n")), "405");
   EXPECT_EQ(status_of(answer_to(port_, "DELETE / HTTP/1.1\r\nHost: localhost\r\n\r\n")), "405");

@@ -8,6 +8,7 @@
 #include <opencv2/videoio.hpp>
 #include <weft/data/camera.hpp>
 #include <weft/data/image.hpp>
+#include <weft/testing/mistakes.hpp>
 #include <weft/testing/plugin_under_test.hpp>
 
 #include "common/cameras/tests/frame_folder.hpp"
@@ -15,6 +16,7 @@
 namespace weft::rotated_film {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using weft::testing::FrameFolder;
 using weft::testing::kOpen;
@@ -82,6 +84,40 @@ TEST(RotatedFilm, IsMadeUprightAndTheCameraWithIt) {
     EXPECT_GT(grey(expected.mark_x, expected.mark_y), 180);
     EXPECT_LT(grey(24, 24), 80);
   }
+}
+
+TEST(RotatedFilm, IsTurnedByTheParameterAfterItsOwnRotation) {
+  struct Case {
+    int rotation_deg, width, mark_x, mark_y;
+  };
+  for (const Case& expected :
+       {Case{0, 48, 40, 7}, Case{90, 64, 56, 40}, Case{180, 48, 7, 56}, Case{270, 64, 7, 7}}) {
+    SCOPED_TRACE(expected.rotation_deg);
+    const FrameFolder folder;
+    folder.write("film.mp4", turned(film(folder), 0, 1, -1, 0));  // 90 clockwise
+    folder.write("camera.yaml", "{fx: 60, fy: 70, cx: 30, cy: 20, width: 64, height: 48}");
+    PluginUnderTest source("sources/video", "{path: '" + folder.path("film.mp4") + "', camera: '" +
+                                                folder.path("camera.yaml") + "', rotation_deg: " +
+                                                std::to_string(expected.rotation_deg) + "}");
+    const PluginAnswer opened = source.process(kOpen, {});
+    ASSERT_EQ(opened.status, WEFT_OK) << opened.message;
+    EXPECT_EQ(opened.get<weft::Camera>()->width_px, expected.width);
+    const PluginAnswer frame = source.process(kRead, {}, 1);
+    ASSERT_EQ(frame.status, WEFT_OK) << frame.message;
+    const auto image = *frame.get<weft::Image>();
+    const std::int64_t at = (expected.mark_y * image.pixels.dim(1) + expected.mark_x) * 3;
+    EXPECT_GT(int{image.pixels.data()[at]}, 180);
+  }
+}
+
+TEST(RotatedFilm, NeedsQuarterTurnsAndTheWholeSizeOfADevice) {
+  const auto refused = [](const std::string& params) {
+    return weft::testing::mistakes_of("sources/video",
+                                      "{device: 900, camera: auto, " + params + "}");
+  };
+  EXPECT_THAT(refused("rotation_deg: 45"), ElementsAre(HasSubstr("give 0, 90, 180 or 270")));
+  EXPECT_THAT(refused("width_px: 640"), ElementsAre(HasSubstr("both or none")));
+  EXPECT_THAT(refused("format: MJPEG"), ElementsAre(HasSubstr("four characters")));
 }
 
 }  // namespace
