@@ -219,7 +219,7 @@ struct Callbacks {
     NestedAnswer& answer = scope.nested.emplace_front(NestedAnswer{
         scope.context.enter(*target, asked->method, {asked->inputs, asked->input_count},
                             {asked->frame, asked->draw, scope.turn.run_frame, scope.turn.depth + 1,
-                             scope.turn.deadline}),
+                             scope.turn.threads, scope.turn.deadline}),
         PooledVector<weft_record>(scope.context.memory_)});
     const Outcome& outcome = answer.outcome;
     answer.views.reserve(outcome.outputs.size());

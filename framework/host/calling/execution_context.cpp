@@ -97,7 +97,7 @@ Instance& ExecutionContext::add(std::unique_ptr<Instance> instance) {
 }
 
 void ExecutionContext::divide_threads(int threads, int callers) {
-  threads_a_call_ = std::max(threads / std::max(callers, 1), 1);
+  threads_.divide(threads, callers);
   times_.count(callers > 1 ? ProcessorTime::of_thread : ProcessorTime::of_process);
 }
 
@@ -110,7 +110,7 @@ weft_call ExecutionContext::make_call(const Instance& instance, Scope& scope, in
   call.seed = component_seed(instance.run_seed, scope.turn.frame, instance.stage.str(),
                              instance.path, scope.turn.draw);
   call.frame = scope.turn.frame;
-  call.threads = threads_a_call_;
+  call.threads = scope.turn.threads;
   return call;
 }
 
@@ -134,7 +134,7 @@ Result<void> ExecutionContext::prepare_here(Instance& instance,
       instance.rules.part != PipelinePart::source && instance.rules.part != PipelinePart::templ;
   if (!gets_template) return {};
   if (cancellation_.is_requested()) return not_begun(instance.id);
-  Scope scope{*this, instance, nullptr, {kOfflineFrame, 0, kOfflineFrame, 0}};
+  Scope scope{*this, instance, nullptr, {kOfflineFrame, 0, kOfflineFrame, 0, threads_.equal()}};
   const weft_call call = make_call(instance, scope, 0);
   ProtectedInputs pages;
   if (protects_inputs_) {
@@ -160,7 +160,8 @@ Outcome ExecutionContext::call(Instance& instance, int method, std::span<const w
   static const std::string kNone;
   const Announced announced{*this, instance.name, instance.id,
                             index < methods.size() ? methods[index].name : kNone, frame};
-  return enter(instance, method, inputs, {frame, draw, frame, 0, deadline});
+  const ThreadShares::Loan loan(threads_);
+  return enter(instance, method, inputs, {frame, draw, frame, 0, loan.threads(), deadline});
 }
 
 Outcome ExecutionContext::evaluate(const Record& warp, const Points& points, std::uint64_t frame) {
@@ -171,7 +172,7 @@ Outcome ExecutionContext::evaluate(const Record& warp, const Points& points, std
   }
   const RecordView<Points> points_view("points", points);
   const weft_record inputs[] = {view, points_view.raw()};
-  return enter(*producer, kEvaluateWarp, inputs, {frame, 0, frame, 0});
+  return enter(*producer, kEvaluateWarp, inputs, {frame, 0, frame, 0, threads_.equal()});
 }
 
 Outcome ExecutionContext::enter(Instance& instance, int method, std::span<const weft_record> inputs,

@@ -11,6 +11,7 @@
 
 #include "host/calling/call_times.hpp"
 #include "host/calling/cancellation.hpp"
+#include "host/calling/thread_shares.hpp"
 #include "host/loading/component_spec.hpp"
 #include "host/workers/isolation.hpp"
 
@@ -65,8 +66,9 @@ class ExecutionContext {
   void discard(Instance& instance);
 
   /// Sets the number of threads that may work at a time, shared by the callers of this execution
-  /// context. Must precede the creation of instances. With more than one caller, CPU time is that
-  /// of the calling thread alone.
+  /// context. A call gets all that no other call has when it begins; in a worker it gets an equal
+  /// share. Must precede the creation of instances. With more than one caller, CPU time is that of
+  /// the calling thread alone.
   void divide_threads(int threads, int callers);
 
   /// Where the records of this execution context stand, and what else lives as long as a frame.
@@ -152,7 +154,7 @@ class ExecutionContext {
   AnnounceEnd announce_end_;
   mutable std::mutex instances_mutex_;
   std::vector<std::unique_ptr<Instance>> instances_;  ///< handle - 1 is the index; null: destroyed
-  int threads_a_call_ = 1;
+  ThreadShares threads_;
   bool protects_inputs_ = false;
   std::shared_ptr<MemoryPool> memory_ = std::make_shared<MemoryPool>();
   CallTimes times_{memory_};

@@ -88,6 +88,7 @@ struct ExecutionContext::Turn {
   std::uint64_t frame, draw;  ///< as in weft_invocation
   std::uint64_t run_frame;    ///< in which it is made: a nested call may be about another one
   int depth;                  ///< [] nesting depth; 0 for a stage
+  int threads;                ///< those of its stage
   SteadyTime deadline = kNoDeadline;  ///< deadline of its frame
 };
 

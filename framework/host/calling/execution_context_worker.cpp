@@ -15,7 +15,7 @@ Result<WorkerContext> ExecutionContext::worker_context_of(const Instance& instan
   auto* cancel = std::construct_at(static_cast<std::atomic<bool>*>(block.get()), false);
   return WorkerContext{
       run_seed_,
-      threads_a_call_,
+      threads_.equal(),
       inputs_of_workers_,
       {block, cancel},
       [this, &instance] { return !instance.is_let_finish && cancellation_.is_requested(); },

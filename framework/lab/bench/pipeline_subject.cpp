@@ -98,6 +98,8 @@ Result<void> PipelineSubject::open_all(std::int64_t frames) {
   auto context = context_of(pipeline_.config, {});
   if (!context) return context.error();
   context_ = *std::move(context);
+  // Frames are measured one after another: the further threads of a stage count too.
+  context_->times().count(host::ProcessorTime::of_process);
   context_->cancellation().watch([this] { return cancel_.load(); });
   auto loop = FrameLoop::open(pipeline_, *context_);
   if (!loop) return loop.error();

@@ -159,11 +159,14 @@ TEST_F(Overlap, TellsTheFailureOfAWriterOnceAndKeepsTheFramesBeforeIt) {
   }
 }
 
-TEST_F(Overlap, GivesEachCallItsShareOfTheThreads) {
-  const std::map<std::string, double> expected = {{"frames_at_once: 1\nthreads: 6", 6},
-                                                  {"frames_at_once: 2\nthreads: 6", 3},
-                                                  {"frames_at_once: 4\nthreads: 2", 1},
-                                                  {"frames_at_once: 4\nthreads: 1", 1}};
+TEST_F(Overlap, GivesEachCallAtLeastItsShareOfTheThreads) {
+  struct Threads {
+    double least, most;
+  };
+  const std::map<std::string, Threads> expected = {{"frames_at_once: 1\nthreads: 6", {6, 6}},
+                                                   {"frames_at_once: 2\nthreads: 6", {3, 6}},
+                                                   {"frames_at_once: 4\nthreads: 2", {1, 2}},
+                                                   {"frames_at_once: 4\nthreads: 1", {1, 1}}};
   for (const auto& [options, threads] : expected) {
     const std::string stages =
         "\nstages:\n  - use: detectors/test.scripted\n  - use: matchers/test.scripted\n"
@@ -171,7 +174,9 @@ TEST_F(Overlap, GivesEachCallItsShareOfTheThreads) {
         "  - use: solvers/test.warped\n";
     const Ran ran = run(head("{frames: 2}") + options + stages);
     ASSERT_TRUE(ran.summary) << options;
-    EXPECT_EQ(ran.number(1, "filters", "diag.threads"), threads) << options;
+    const double given = ran.number(1, "filters", "diag.threads");
+    EXPECT_GE(given, threads.least) << options;
+    EXPECT_LE(given, threads.most) << options;
     fs::remove_all(path("run"));
   }
 }
