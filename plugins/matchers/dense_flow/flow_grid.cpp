@@ -17,7 +17,7 @@ using view::ViewLevel;
 
 constexpr float kReach_px = 5.0F;  // px of the level, from the place where a search begins
 constexpr float kAlike = 0.5F;     // correlation at coarse levels of a patch that leads finer ones
-constexpr int kCoarseSpacing_px = 4;  // at most, where displacements are only led on
+constexpr int kCoarseSpacing_px = 8;  // at most, where displacements are only led on
 constexpr int kFewestNeighbours = 3;
 
 }  // namespace
