@@ -253,7 +253,7 @@ class BoardCalibrator final : public Calibrator {
 
 std::unique_ptr<Calibrator> make_calibrator(std::string file,
                                             std::function<void(std::string)> report) {
-  return std::make_unique<BoardCalibrator>(std::move(file), std::move(tell));
+  return std::make_unique<BoardCalibrator>(std::move(file), std::move(report));
 }
 
 }  // namespace weft::live
