@@ -26,31 +26,41 @@ Check check_of(std::string_view line) {
   return right ? Check::right : Check::wrong;
 }
 
-/// Where the JSON value that begins with a brace ends, behind its last; npos where it does not.
-std::size_t end_of_object(std::string_view text, std::size_t begin) {
+/// Where the JSON object or list that begins here ends, behind its last character; npos where it
+/// does not. Of a line with a right check, which is valid JSON.
+std::size_t end_of_value(std::string_view text, std::size_t begin) {
   int depth = 0;
   for (std::size_t i = begin; i < text.size(); ++i) {
     const char c = text[i];
     if (c == '"') {
       for (++i; i < text.size() && text[i] != '"'; ++i) i += text[i] == '\\' ? 1U : 0U;
-    } else if (c == '{') {
+    } else if (c == '{' || c == '[') {
       ++depth;
-    } else if (c == '}' && --depth == 0) {
+    } else if ((c == '}' || c == ']') && --depth == 0) {
       return i + 1;
     }
   }
   return std::string_view::npos;
 }
 
-/// The line without its metrics, which are most of it. A quote in a text has a backslash before it,
-/// so that the first such name is none in a text, and what is before it holds no other object.
-std::string without_metrics(const std::string& line) {
-  constexpr std::string_view kStart = ",\"metrics\":{";
-  const std::size_t start = line.find(kStart);
-  if (start == std::string::npos) return line;
-  const std::size_t end = end_of_object(line, start + kStart.size() - 1);
-  if (end == std::string_view::npos) return line;
-  return line.substr(0, start) + line.substr(end);
+/// Omits a member whose name and first character of its value are `start`. A quote in a text has a
+/// backslash before it, so that the first such name is none in a text.
+void omit(std::string_view start, std::string& line) {
+  const std::size_t begin = line.find(start);
+  if (begin == std::string::npos) return;
+  const std::size_t end = end_of_value(line, begin + start.size() - 1);
+  if (end != std::string_view::npos) line.erase(begin, end - begin);
+}
+
+/// The line without what is not needed. Metrics are most of it, and frames most of them; `metrics`
+/// is the first member of these names, and no other list of objects in it is called `frames`.
+std::string needed_of(std::string line, const LineParts& parts) {
+  if (!parts.metrics) {
+    omit(",\"metrics\":{", line);
+  } else if (!parts.frames) {
+    omit(",\"frames\":[", line);
+  }
+  return line;
 }
 
 }  // namespace
@@ -73,14 +83,11 @@ std::string withdrawal_line(const std::string& file, int number, const std::stri
 }
 
 Result<TrustedLine> trusted_line(const std::string& text, const LineParts& parts) {
-  const auto keep = [&](int depth, json::parse_event_t event, json& parsed) {
-    return parts.frames || !(depth == 2 && event == json::parse_event_t::key && parsed == "frames");
-  };
   const Check check = check_of(text);
-  const bool whole = parts.metrics || check != Check::right;
-  TrustedLine line{
-      whole ? json::parse(text, keep, false) : json::parse(without_metrics(text), nullptr, false),
-      check == Check::right};
+  const bool may_omit = check == Check::right;
+  TrustedLine line{may_omit ? json::parse(needed_of(text, parts), nullptr, false)
+                            : json::parse(text, nullptr, false),
+                   may_omit};
   const auto damaged = [](const std::string& what) { return Error{Errc::invalid_data, what}; };
   if (check == Check::wrong) return damaged("it was changed after it was written");
   if (!line.object.is_object()) return damaged("it is not a JSON object");
