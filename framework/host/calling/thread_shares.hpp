@@ -6,7 +6,7 @@
 
 namespace weft::host {
 
-/// Divides a number of threads between callers, who may call at the same time. From any thread.
+/// Divides a number of threads between callers that may call at the same time. From any thread.
 class ThreadShares {
  public:
   /// The threads of a call while it lasts.
