@@ -47,6 +47,7 @@ TEST(LivePage, ShowsARunInABrowserAndSteersIt) {
   run_script("page_test.mjs");
   run_script("keyboard_test.mjs");
   run_script("settings_test.mjs");
+  run_script("camera_test.mjs");
   run_script("bad_input_test.mjs");
   run_script("recording_page_test.mjs");
 }

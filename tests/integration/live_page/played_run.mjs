@@ -19,6 +19,7 @@ const kToken = "a token of sixteen";
 export class PlayedRun {
   requests = []; // texts, in the order in which they came
   most_requests_under_way = 0;
+  cameras = []; // as /cameras.json lists them
   saved = 0; // files of settings in its folder
   /** The outcome of a change request: a refusal, or "" where it is granted. */
   judge = () => "";
@@ -114,7 +115,12 @@ export class PlayedRun {
   }
 
   #serve(request, response) {
-    const { pathname } = new URL(request.url, "http://x");
+    const { pathname, searchParams } = new URL(request.url, "http://x");
+    if (pathname === "/cameras.json") {
+      const is_allowed = searchParams.get("token") === kToken;
+      response.writeHead(is_allowed ? 200 : 401, { "Content-Type": "application/json" });
+      return response.end(JSON.stringify({ cameras: this.cameras }));
+    }
     const known = kFiles[pathname];
     response.writeHead(known ? 200 : 404, {
       "Content-Type": `${kTypes[pathname] ?? "text/plain"}; charset=utf-8`,

@@ -116,8 +116,24 @@ const template = {
   ],
 };
 
+const source = {
+  id: "sources/video",
+  parameters: [
+    parameter("source.path", "input_path", null, "video file", { value: "" }),
+    parameter("source.device", "i64", -1, "camera", { value: 0 }),
+    parameter("source.camera", "input_path", null, "camera file", { value: "auto" }),
+    parameter("source.width_px", "i64", 0, "width", { value: 640 }),
+    parameter("source.height_px", "i64", 0, "height", { value: 480 }),
+    parameter("source.format", "text", null, "pixel format", { value: "YUYV" }),
+    parameter("source.exposure_ms", "f64", 0, "exposure time", { value: 0 }),
+    parameter("source.rotation_deg", "i64", 0, "rotation", { value: 0 }),
+    parameter("source.longest_px", "i64", 0, "longest side", { value: 0 }),
+  ],
+};
+
 export const settings = {
   pipeline: "pipelines/live.yaml",
+  source,
   stages: [detectors, filters, template],
   sinks: [{ sink: "live", id: "sinks/live", from: { other_shape: "refined" } }],
 };

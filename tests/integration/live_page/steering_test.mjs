@@ -10,6 +10,7 @@ const { ChangeRequests } = await load("link/change_requests");
 const { socket_address } = await load("link/connection");
 const { Edits } = await load("settings/edits");
 const { difference_of, pipeline_of } = await load("settings/difference");
+const source = await load("camera/source");
 const { fault_of } = await load("../corners");
 const { template_pipeline } = await load("saving/template");
 
@@ -284,6 +285,42 @@ test("on top are the prominent parameters, before those of stages without any", 
   assert.deepEqual(names([a, b, fixed, d]), ["b.two", "b.three", "a.one", "d.one"]);
   const many = stage("e", true, ...["1", "2", "3", "4", "5", "6"].map((i) => one(`e.${i}`, true)));
   assert.deepEqual(names([a, many]), ["e.1", "e.2", "e.3", "e.4", "e.5"]);
+});
+
+const video = (values) => ({
+  id: "sources/video",
+  parameters: Object.entries(values).map(([name, value]) => ({ setting: `source.${name}`, value })),
+});
+
+test("a choice of a camera replaces what the source takes now", () => {
+  const choice = { device: 1, mode: null, exposure_ms: -1, rotation_deg: 90, is_assumed: false };
+  const rest = ['source.device=1', 'source.format=""', "source.width_px=0", "source.height_px=0",
+    "source.exposure_ms=-1", "source.rotation_deg=90"];
+  assert.deepEqual(source.choice_settings(video({ path: "", device: 0 }), choice), rest);
+  assert.deepEqual(source.choice_settings(video({ path: "/a.mp4" }), choice), ['source.path=""', ...rest]);
+  const mode = { format: "MJPG", width_px: 1280, height_px: 720, fps: 30 };
+  const other = source.choice_settings({ id: "sources/synthetic", parameters: [] }, { ...choice, mode });
+  assert.equal(other[0], "source.use=sources/video");
+  assert.equal(other.at(-1), 'source.camera="auto"');
+  assert.ok(other.includes("source.width_px=1280") && other.includes('source.format="MJPG"'));
+  assert.equal(source.option_words(["a.b=it's"]), "--set 'a.b=it'\\''s'");
+});
+
+test("a calibration needs the images of the sensor, and restores what was set before", () => {
+  assert.equal(source.raw_settings(video({ camera: "auto", longest_px: 0 })), null);
+  assert.equal(source.raw_settings(video({ camera: "", rotation_deg: 0 })), null);
+  const turned = video({ camera: "/c.yaml", longest_px: 640, rotation_deg: 180 });
+  assert.deepEqual(source.raw_settings(turned), [
+    'source.camera="auto"',
+    "source.longest_px=0",
+    "source.rotation_deg=0",
+  ]);
+  assert.deepEqual(source.calibrated_settings("/new.yaml", turned), [
+    'source.camera="/new.yaml"',
+    "source.longest_px=640",
+    "source.rotation_deg=180",
+  ]);
+  assert.deepEqual(source.calibrated_settings("/new.yaml", null), ['source.camera="/new.yaml"']);
 });
 
 test("a template has four corners of a rectangle, clockwise from top left", () => {

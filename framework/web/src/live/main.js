@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The live page: it keeps and draws what the run sends, and sends changes made here as requests.
+import { CameraDialog } from "./camera/camera_dialog.js";
 import { Keyboard } from "./layout/keyboard.js";
 import { Layout } from "./layout/layout.js";
 import { Announcer, Notices } from "./layout/notices.js";
@@ -68,6 +69,7 @@ class Page {
       camera: this.#camera,
       pipeline: this.settings.pipeline,
     }));
+    this.camera_dialog = new CameraDialog(by_id("camera-dialog"), this.change_requests);
     this.layout = new Layout(() => this.#recolour());
     this.#listen();
     this.connection = new Connection(socket_address(location), {
@@ -88,6 +90,7 @@ class Page {
     by_id("compare").addEventListener("click", () => this.#compare());
     const make_template = () => this.template_dialog.open(this.#frame);
     by_id("make-template").addEventListener("click", make_template);
+    by_id("camera").addEventListener("click", () => this.camera_dialog.open());
     const actions = {
       compare: () => this.#compare(),
       help: () => this.keyboard.show(),
@@ -107,6 +110,8 @@ class Page {
       this.change_requests.answer(message);
     } else if (message.type === "pause") {
       this.commands.pause_told(message);
+    } else if (message.type === "calibration") {
+      this.camera_dialog.calibration_told(message.calibration);
     } else if (message.type === "still") {
       this.status.still_told(message.still);
     }
@@ -131,6 +136,7 @@ class Page {
       this.mesh.begin(camera, template);
     }
     this.recorder.begin_run(camera, template);
+    this.camera_dialog.begin_run();
     this.settings.begin(settings, started_with);
     this.#show_settings(settings);
     this.#ask_for_frame();
@@ -139,6 +145,7 @@ class Page {
   #show_settings(settings) {
     this.settings.show(settings);
     this.recorder.show_settings(settings);
+    this.camera_dialog.show_settings(settings);
     this.#other_stage = other_stage_of(settings);
     this.options.name_other(this.#other_stage);
     const folders = settings?.pipeline?.split("/") ?? [];
@@ -179,6 +186,7 @@ class Page {
     this.commands.frame_came(frame.frame);
     this.recorder.take(frame);
     for (const text of notices_of(frame.report)) this.notices.add(text);
+    this.camera_dialog.draw(frame, this.#camera);
     if (this.playback.is_live) {
       this.#show(frame);
       sample.delays.browser_ms = 1000 * (now_s() - arrived_s);

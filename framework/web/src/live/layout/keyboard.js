@@ -5,7 +5,6 @@ import { recall, remember } from "./memory.js";
 
 // Elements that use these keys themselves while they have the focus.
 const kOwnKeys = [
-  ["dialog *", /./],
   ["input:not([type=checkbox], [type=range]), select", /./],
   ["input[type=checkbox], button, summary", /^ $/],
   ["input[type=range], [role=separator]", /^(Arrow.*|Home|End|Page.*)$/],
@@ -32,6 +31,7 @@ export class Keyboard {
       ]),
     );
     addEventListener("keydown", (event) => {
+      if (document.querySelector("dialog[open]")) return; // even if nothing in it has the focus
       if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented) return;
       const found = by_key.get(event.key);
       if (!found || is_taken(event.target, event.key)) return;

@@ -3,7 +3,7 @@
 /** The keys of the page, as Keyboard takes them; `compare()`, `help()` and `make_template()` are
     actions of the page. */
 export function shortcuts_of(page, { compare, help, make_template }) {
-  const { transport, playback, mesh, layout, settings } = page;
+  const { transport, playback, mesh, layout, settings, camera_dialog } = page;
   const keys = [
     [" ", "play or pause the run", () => transport.toggle(), "space"],
     ["ArrowLeft", "frame before", () => transport.step(-1), "←"],
@@ -23,6 +23,7 @@ export function shortcuts_of(page, { compare, help, make_template }) {
     ["t", "strips", () => layout.toggle_drawer("strips")],
     ["w", "save the settings in the folder of the run", () => settings.panel.save_in_run()],
     ["n", "template of this frame", make_template],
+    ["v", "camera and its calibration", () => camera_dialog.open()],
     ["?", "this list", help],
   ];
   return keys.map(([key, words, act, name]) => ({ key, words, act, name }));
