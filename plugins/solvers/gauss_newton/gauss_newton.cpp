@@ -81,7 +81,7 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
     p.formerly("start").component("initial_guess", guesses_.solver,
                                   "solver of the initial guess when there is no previous shape");
     p.formerly("go_on").read(
-        "previous_only", search_.previous_is_of_this_frame,
+        "previous_only", previous_only_,
         "previous shape as the only initial guess; for a shape from an earlier solver of the "
         "same frame");
     p.formerly("start_smoothing")
@@ -163,7 +163,7 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
 
   bool is_in_doubt(Guess next, bool tracked) const {
     if (next == Guess::mirrored) {
-      if (search_.previous_is_of_this_frame && best_ >= 0) return false;
+      if (previous_only_ && best_ >= 0) return false;
       return !tracked || candidates_.front().doubtful();
     }
     if (next == Guess::rough) return candidates_[tried_ - 1].doubtful();
@@ -383,6 +383,7 @@ class GaussNewton final : public Solver, private solvers::GuessTrial {
   }
 
   solvers::GuessSearch guesses_;
+  bool previous_only_ = false;
   bool wants_covariance_ = true;
   double scale_noise_ = 0.004;
 

@@ -84,8 +84,7 @@ void ShapeSearch::run(const Frame& frame, Candidate& candidate) {
   }
   soft.trust.scale = kApproachHuber;
   soft.bend_rad = kApproachBendRad;
-  const bool is_near = previous_is_of_this_frame && candidate.guess == solvers::Guess::previous;
-  if (!is_near) settle(soft);
+  settle(soft);
   expect_bends(frame, vertices_m);
   settle(stage);
   if (!frame.hidden.empty()) expect_bends(frame, vertices_m);

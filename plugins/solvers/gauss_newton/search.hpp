@@ -17,14 +17,12 @@ namespace weft::gauss_newton {
 
 /// Optimises a shape from an initial guess. The first stage makes lengths ten times softer, so that
 /// the surface reaches its observations without creases. It keeps the bends of the initial guess,
-/// or those at rest for the convex guess. A previous shape of the same frame is there already. The
-/// second stage uses the full energy. Where a part is hidden, the bends of the shape so far are
-/// continued there, twice.
+/// or those at rest for the convex guess. The second stage uses the full energy. Where a part is
+/// hidden, the bends of the shape so far are continued there, twice.
 class ShapeSearch {
  public:
   Scales scales;
   MinimiserOptions options;
-  bool previous_is_of_this_frame = false;
 
   /// Structure and memory for a mesh, which must outlive it. Fails on a mesh that cannot be used.
   Result<void> prepare(const Template& templ, const MeshModel& mesh);
