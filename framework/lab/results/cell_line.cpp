@@ -27,7 +27,7 @@ Check check_of(std::string_view line) {
 }
 
 /// Where the JSON object or list that begins here ends, behind its last character; npos where it
-/// does not. Of a line with a right check, which is valid JSON.
+/// does not. The text is valid JSON: its check is right.
 std::size_t end_of_value(std::string_view text, std::size_t begin) {
   int depth = 0;
   for (std::size_t i = begin; i < text.size(); ++i) {
