@@ -76,13 +76,17 @@ class AnimationSink : public ::testing::Test {
 
   /// The content of a file as other programs read it.
   nlohmann::json read(const fs::path& path, const std::string& times_s) const {
-    const std::string command = std::string("/usr/bin/node " WEFT_OPEN_GLTF " " WEFT_WEB " '") +
-                                path.string() + "' " + times_s;
+    const std::string text = output_of(std::string("/usr/bin/node " WEFT_OPEN_GLTF " " WEFT_WEB) +
+                                       " '" + path.string() + "' " + times_s);
+    return nlohmann::json::parse(text, nullptr, false);
+  }
+
+  static std::string output_of(const std::string& command) {
     std::FILE* pipe = popen(command.c_str(), "r");
     std::string text;
     for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) text += static_cast<char>(c);
     EXPECT_EQ(pclose(pipe), 0) << text;
-    return nlohmann::json::parse(text, nullptr, false);
+    return text;
   }
 
   /// glTF has y up and z towards the viewer.
@@ -136,6 +140,35 @@ TEST_F(AnimationSink, PlaysEachShapeAtItsTimeInOtherPrograms) {
   }
   EXPECT_NEAR(std::tan(seen["fov_degrees"].get<double>() * M_PI / 360.0),
               0.5 * static_cast<double>(camera_.height_px) / camera_.fy, 1e-6);
+}
+
+TEST_F(AnimationSink, HasInBlenderTheVerticesOfEachFrame) {
+  if (!fs::exists("/usr/bin/blender")) GTEST_SKIP() << "Blender is absent: install blender";
+  auto plugin = sink();
+  open(plugin);
+  for (const std::uint64_t frame : {10U, 11U, 12U, 14U}) write(plugin, frame);
+  ASSERT_EQ(plugin.process(kFinish, {}).status, WEFT_OK);
+  const std::string text = output_of(
+      "/usr/bin/blender --background --python-exit-code 1 --python " WEFT_READ_IN_BLENDER " -- '" +
+      file().string() + "' 25 0 1 2 3 4 2>&1");
+  const std::size_t begin = text.find("vertices [");
+  ASSERT_NE(begin, std::string::npos) << text;
+  const std::string line = text.substr(begin, text.find('\n', begin) - begin);
+  const auto frames = nlohmann::json::parse(line.substr(line.find('[')));
+  constexpr std::uint64_t kShown[] = {10, 11, 12, 12, 14};
+  for (std::size_t i = 0; i < 5; ++i) {
+    const Shape shape = shape_of(kShown[i]);
+    ASSERT_EQ(frames[i].size(), weft::to_index(shape.vertices_m.rows()));
+    for (std::int64_t v = 0; v < shape.vertices_m.rows(); ++v) {
+      // z is up, and the camera looks along y.
+      const double expected[] = {shape.vertices_m(v, 0), shape.vertices_m(v, 2),
+                                 -shape.vertices_m(v, 1)};
+      for (std::size_t k = 0; k < 3; ++k) {
+        EXPECT_NEAR(frames[i][weft::to_index(v)][k].get<double>(), expected[k], 1e-6)
+            << "vertex " << v << ", frame " << i;
+      }
+    }
+  }
 }
 
 TEST_F(AnimationSink, HidesTheSurfaceInFramesWithoutAShape) {
