@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Runs that a user at a sink changes, pauses or ends, and runs that repeat such changes.
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -216,6 +218,29 @@ TEST(SettingsFile, ReplacesNoFileAndExplainsWhyNothingIsSaved) {
   const auto gone = save_settings(folder.string(), "weft: 1\n");
   ASSERT_FALSE(gone);
   EXPECT_THAT(gone.error().message, HasSubstr("it is no folder any more; save in the browser"));
+}
+
+TEST(SettingsFile, LeavesNothingWhereThereIsNoRoomAndExplainsIt) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(::testing::TempDir()) / "weft_settings_without_room";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  // A limit of this process in place of a full disk: the file begins, and cannot be completed.
+  const auto before = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit limit{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &limit), 0);
+  const rlimit small{64, limit.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const auto saved = save_settings(folder.string(), std::string(1000, '#'));
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+  std::signal(SIGXFSZ, before);
+  ASSERT_FALSE(saved);
+  EXPECT_THAT(saved.error().message, HasSubstr("nothing was saved in '" + folder.string()));
+  EXPECT_THAT(saved.error().message,
+              HasSubstr("file size limit, see ulimit -f; save in the browser instead"));
+  EXPECT_TRUE(fs::is_empty(folder)) << "something unfinished is left";
+  EXPECT_TRUE(save_settings(folder.string(), "weft: 1\n")) << "the number is free again";
+  fs::remove_all(folder);
 }
 
 TEST_F(Changes, TheEndIsTheEndOfARunThatStoppedEarly) {
