@@ -16,6 +16,7 @@
 #include "common/view/inputs.hpp"
 #include "common/view/picture.hpp"
 #include "common/view/predicted_view.hpp"
+#include "common/workers/sharing.hpp"
 #include "flow_grid.hpp"
 #include "likeness.hpp"
 
@@ -83,10 +84,9 @@ class DenseFlow final : public Matcher {
     if (!fits) return fits.error();
     if (shape->shape_state() == ShapeState::lost) return no_result("the shape is lost");
     if (auto ready = load(*in.templ); !ready) return ready.error();
-    if (!view_->draw(*in.camera, shape->vertices_m.matrix<3>())) {
+    if (!see(*in.image, *in.camera, *shape, in.call.threads())) {
       return no_result("the shape shows nothing of the texture in the image");
     }
-    image_.load(in.image->pixels);
     const view::CoarseShift shift = search_.find(*view_, image_, search_px_);
     blur_px_ = 0.0;
     if (max_blur_px_ > 0.0) {
@@ -111,6 +111,21 @@ class DenseFlow final : public Matcher {
         static_cast<double>(templ.texture.dim(0));
     loaded_ = templ.revision;
     return {};
+  }
+
+  /// Renders the shape and takes the image; false if nothing of the shape is in the image.
+  bool see(const Image& image, const Camera& camera, const Shape& shape, int threads) {
+    constexpr int kRender = 0, kBoth = 2;
+    bool is_drawn = false;
+    share_out(workers_, {kBoth, 1, threads}, [&](int, int part, int) {
+      if (part == kRender) {
+        is_drawn = view_->draw(camera, shape.vertices_m.matrix<3>());
+      } else {
+        image_.load(image.pixels);
+      }
+      return true;
+    });
+    return is_drawn;
   }
 
   struct Tally {

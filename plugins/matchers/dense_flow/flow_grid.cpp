@@ -5,6 +5,8 @@
 #include <cmath>
 #include <weft/core/stop_check.hpp>
 
+#include "common/workers/sharing.hpp"
+
 namespace weft::dense_flow {
 namespace {
 
@@ -38,22 +40,13 @@ void FlowGrid::find(const view::PredictedView& view, const view::Pyramid& image,
     } else {
       begin_from(coarser_);
     }
-    run(grid_.rows, workers, threads, [&](int worker, int row) {
+    share_out(workers, {grid_.rows, 1, threads}, [&](int worker, int row, int) {
       search_row(view, image, level, row, patches_[to_index(worker)]);
+      return true;
     });
     reject_astray();
     if (level > view.finest()) spread();
   }
-}
-
-/// Assigns rows to threads by their number, so that the assignment does not depend on the speed of
-/// the threads.
-void FlowGrid::run(int rows, Workers& workers, int threads,
-                   const std::function<void(int, int)>& row) {
-  const int count = std::clamp(threads, 1, std::max(rows, 1));
-  workers.run(count, [&](int worker) {
-    for (int j = worker; j < rows; j += count) row(worker, j);
-  });
 }
 
 void FlowGrid::lay_out(const ViewLevel& view, int spacing_px) {

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <vector>
 #include <weft/core/index.hpp>
 
@@ -84,7 +83,6 @@ class FlowGrid {
                   view::Patch& patch) const;
   void reject_astray();
   void spread();
-  void run(int rows, Workers& workers, int threads, const std::function<void(int, int)>& row);
 
   FlowOptions options_;
   Grid grid_, coarser_;
