@@ -72,9 +72,18 @@ export class View3d {
   }
 
   show_axes(shown) {
+    if (shown === this.#axes_shown) return;
     this.#axes_shown = shown;
     if (this.#axes) this.#axes.visible = shown;
     this.render();
+  }
+
+  /** Whether the processor draws in place of a graphics card. */
+  get is_software() {
+    const gl = this.renderer.getContext();
+    const names = gl.getExtension("WEBGL_debug_renderer_info");
+    const name = names ? gl.getParameter(names.UNMASKED_RENDERER_WEBGL) : "";
+    return /swiftshader|llvmpipe|software|basic render/i.test(name);
   }
 
   render() {

@@ -25,7 +25,7 @@ import { MeshPane } from "./views/mesh_pane.js";
 import { ViewOptions } from "./views/view_options.js";
 import { notices_of, other_shape_words, state_words } from "./words.js";
 
-const kStrips_ms = 200; // between drawings of the strips
+const kStrips_ms = 500; // between drawings of the strips, in which this is a pixel or two
 
 const by_id = (id) => document.getElementById(id);
 const now_s = () => performance.now() / 1000;
@@ -230,7 +230,7 @@ class Page {
     this.options.offer(frame);
     this.#compare_image();
     this.image.show(frame);
-    this.#draw_mesh();
+    this.mesh.when_due(() => this.#draw_mesh());
     this.#write_state(frame);
     const other = this.#compared === null ? null : this.history.at(this.#compared);
     write_comparison(by_id("comparison"), other, this.playback.sample);

@@ -8,6 +8,7 @@ import { Patch } from "./patch.js";
 import { Spot } from "./spot.js";
 
 const kHiddenShare = 0.25; // of the opacity of what is seen
+const kBeside = 0.8; // px of the screen, from a line to the one beside it
 const kLoupeRadius = 80;
 const kLoupeFactor = 4;
 const kReach = 12; // px of the screen within which a click finds a match
@@ -29,7 +30,7 @@ export class ImageView {
       chosen: (reach) => this.#choose_match(reach),
       left: () => this.patch.hide(),
     });
-    new ResizeObserver(() => this.draw()).observe(canvas);
+    new ResizeObserver(() => this.draw()).observe(canvas.parentElement);
   }
 
   /** Camera and template of a run; the frames of another one are forgotten. */
@@ -89,8 +90,21 @@ export class ImageView {
     return (x_px, y_px) => [left + scale * (x_px + 0.5), top + scale * (y_px + 0.5)];
   }
 
+  /** The canvas is as large as the image: a browser copies its pixels for each frame. */
+  #lay_out() {
+    const { clientWidth, clientHeight } = this.canvas.parentElement;
+    const { width, height } = this.#frame?.picture ?? { width: clientWidth, height: clientHeight };
+    const { width_px, height_px } = this.#camera ?? { width_px: width, height_px: height };
+    const scale = Math.min(clientWidth / width_px, clientHeight / height_px);
+    const { style } = this.canvas;
+    const sizes = [scale * width_px, scale * height_px].map((side) => `${Math.round(side)}px`);
+    if (style.width !== sizes[0]) [style.width] = sizes;
+    if (style.height !== sizes[1]) style.height = sizes[1];
+  }
+
   draw() {
-    if (this.canvas.clientWidth === 0) return; // it is not shown
+    if (this.canvas.parentElement.clientWidth === 0) return; // it is not shown
+    this.#lay_out();
     const pen = pen_of(this.canvas);
     if (!this.#frame) return;
     this.#paint(pen);
@@ -121,18 +135,19 @@ export class ImageView {
     const { opacity } = this.#options;
     const is_dark = parseInt(colour.slice(1, 3), 16) < 64;
     pen.lineJoin = "round";
+    pen.lineWidth = 1; // wider ones take several times as long where the processor draws
     for (const [path, share] of [
       [hidden, kHiddenShare],
       [seen, 1],
     ]) {
       // Dark beside light, to be seen on any image.
-      pen.globalAlpha = 0.4 * share * opacity;
+      pen.globalAlpha = 0.6 * share * opacity;
       pen.strokeStyle = is_dark ? "#fff" : "#000";
-      pen.lineWidth = 2.4;
+      pen.translate(kBeside, kBeside);
       pen.stroke(path);
+      pen.translate(-kBeside, -kBeside);
       pen.globalAlpha = share * opacity;
       pen.strokeStyle = colour;
-      pen.lineWidth = 1;
       pen.stroke(path);
     }
     pen.globalAlpha = 1;

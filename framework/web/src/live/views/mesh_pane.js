@@ -4,12 +4,16 @@ import { decode_frame } from "../link/messages.js";
 import { vertex_words } from "../words.js";
 import { Colouring, write_legend } from "./colouring.js";
 import { MeshView } from "./mesh_view.js";
+import { Pace } from "./pace.js";
 import { kTrail } from "./trail.js";
+
+const kSoftwareDraws_per_s = 10; // without a graphics card: one takes as long as a stage of a run
 
 export class MeshPane {
   #colouring = new Colouring();
   #template = null;
   #view = null;
+  #pace = new Pace(0);
 
   /** `changed()` is called when another vertex is picked. */
   constructor(root, notices, changed) {
@@ -30,6 +34,7 @@ export class MeshPane {
         this.#pick(vertex ?? NaN);
         changed();
       });
+      if (this.#view.view.is_software) this.#pace = new Pace(kSoftwareDraws_per_s);
     } catch {
       root.classList.add("without-webgl");
     }
@@ -68,6 +73,12 @@ export class MeshPane {
 
   #pick(vertex) {
     this.#view?.trail.pick(Number.isInteger(vertex) ? vertex : null);
+  }
+
+  /** Calls `draw` now; or a little later, and only the last one of several, where the processor draws
+      and has drawn much just before. */
+  when_due(draw) {
+    this.#pace.when_due(draw);
   }
 
   /** A frame with the choices {colouring, surroundings, other: {vertices_m, words} or null, truth_m},
