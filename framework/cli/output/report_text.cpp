@@ -35,4 +35,12 @@ void print_report(const ConfigReport& report) {
   }
 }
 
+void print_warnings(const ConfigReport& report) {
+  for (const auto& [at, message] : report.warnings) {
+    const std::string excerpt =
+        at.line == 0 ? "" : excerpt_of(report.sources.at(to_index(at.source)), at);
+    fmt::print(stderr, "warning: {}: {}\n{}", place_in(report.sources, at), message, excerpt);
+  }
+}
+
 }  // namespace weft::cli

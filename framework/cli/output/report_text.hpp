@@ -14,4 +14,7 @@ std::string problem_text(const std::vector<ConfigSource>& sources, const yaml::P
 /// Prints the errors of files to stderr, each as problem_text().
 void print_report(const ConfigReport& report);
 
+/// Prints the warnings of files to stderr, each with its line as errors have it.
+void print_warnings(const ConfigReport& report);
+
 }  // namespace weft::cli

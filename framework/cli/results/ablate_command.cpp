@@ -210,7 +210,7 @@ void ablate(AblateOptions options, Context& context) {
   }
   auto [grid, report] = lab::load_grid(options.plan, registry, options.settings, standard_helpers(),
                                        options.without, isolating_of(options.isolate));
-  fmt::print(stderr, "{}", report.warning_text());
+  print_warnings(report);
   if (!report.ok()) {
     print_report(report);
     tell_slurm_failure(options.slurm, options.folder, report.text());

@@ -56,7 +56,7 @@ void show(const CheckOptions& options, const host::Registry& registry, Context& 
   host::ComponentChecks checks = checks_of(file);
   const auto [pipeline, report] =
       check_pipeline(file, std::move(document), registry, folder, &checks);
-  fmt::print(stderr, "{}", report.warning_text());
+  print_warnings(report);
   if (!report.ok()) {
     print_report(report);
     context.exit_code = kBadConfiguration;
@@ -81,7 +81,7 @@ void check(const CheckOptions& options, Context& context) {
       continue;
     }
     const auto [content, report] = check_file(file, options, registry);
-    fmt::print(stderr, "{}", report.warning_text());
+    print_warnings(report);
     if (report.ok()) {
       fmt::print("{}: ok, {}\n", file, content);
       continue;

@@ -13,6 +13,7 @@
 #include "cli/ending/interruption.hpp"
 #include "cli/ending/running_calls.hpp"
 #include "cli/output/report_text.hpp"
+#include "cli/output/source_excerpt.hpp"
 #include "cli/run/recorded_run.hpp"
 #include "cli/run/run_settings.hpp"
 #include "cli/run/run_statistics.hpp"
@@ -126,12 +127,14 @@ Prepared prepare(const RunArguments& arguments, const host::Registry& registry,
   return made;
 }
 
+/// Those of the pipeline file begin with their place.
 void print_warnings(const RunSummary& summary) {
   for (const RunWarning& warning : summary.warnings) {
     const bool is_of_frames = warning.frames > 0;  // else it came before them
     fmt::print(
-        stderr, "warning: {}: {}{}\n", warning.component, warning.text,
-        is_of_frames ? fmt::format(" ({} of {} frames)", warning.frames, summary.frames) : "");
+        stderr, "warning: {}: {}{}\n{}", warning.component, warning.text,
+        is_of_frames ? fmt::format(" ({} of {} frames)", warning.frames, summary.frames) : "",
+        is_of_frames ? "" : source_excerpt(warning.text));
   }
 }
 

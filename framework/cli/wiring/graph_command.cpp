@@ -30,7 +30,7 @@ void graph(const GraphOptions& options, Context& context) {
   const std::string folder = std::filesystem::absolute(free_folder(options.pipeline)).string();
   const auto [pipeline, report] =
       check_pipeline(options.pipeline, registry, folder, options.settings);
-  fmt::print(stderr, "{}", report.warning_text());
+  print_warnings(report);
   if (!report.ok()) {
     print_report(report);
     context.exit_code = kBadConfiguration;

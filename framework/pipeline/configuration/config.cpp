@@ -17,14 +17,6 @@ std::string ConfigReport::text() const {
   return text;
 }
 
-std::string ConfigReport::warning_text() const {
-  std::string text;
-  for (const yaml::Problem& warning : warnings) {
-    text += "warning: " + place_in(sources, warning.at) + ": " + warning.message + "\n";
-  }
-  return text;
-}
-
 void ConfigReport::sort() {
   const auto key = [](const yaml::Problem& problem) {
     return std::tuple(problem.at.source, problem.at.line, problem.at.column);

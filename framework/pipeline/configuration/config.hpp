@@ -89,8 +89,6 @@ struct ConfigReport {
   void sort();
   /// One line per error: place_in(sources) and the sentence.
   std::string text() const;
-  /// The same of the warnings.
-  std::string warning_text() const;
 };
 
 /// Reads a pipeline file with the files that it extends, merges `patches` into it, sets `settings`

@@ -44,6 +44,24 @@ TEST_F(Overview, ShowsTheLineOfAnErrorWithACaretBelowItsColumn) {
             "      |                                             ^\n");
 }
 
+TEST_F(Overview, ShowsTheLineOfAWarningToo) {
+  std::string text = head() + "stages:\n";
+  for (const char* stage : {"detectors", "matchers", "filters", "warps", "passes"}) {
+    text += std::string("  - {use: ") + stage + "/test.scripted}\n";
+  }
+  write(text + "  - {use: solvers/test.holder, params: {start: {use: solvers/test.scripted}}}\n",
+        "p.yaml");
+  for (const char* command : {"check", "run"}) {
+    const std::string err = weft({command, "p.yaml"}).err;
+    const std::size_t warning = err.find("p.yaml:10:41: 'start'");
+    ASSERT_NE(warning, std::string::npos) << err;
+    EXPECT_EQ(err.substr(err.find('\n', warning) + 1),
+              "   10 |   - {use: solvers/test.holder, params: {start: {use: "
+              "solvers/test.scripted}}}\n"
+              "      |                                         ^\n");
+  }
+}
+
 TEST_F(Overview, ShowsASettingWithACaretBelowItsColumn) {
   write(chain(), "p.yaml");
   EXPECT_EQ(

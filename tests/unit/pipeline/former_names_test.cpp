@@ -28,6 +28,15 @@ class FormerNames : public testing::PipelineTest {
                          path("run"), {setting});
   }
 
+  /// A line for each, with its place.
+  static std::string warnings_of(const ConfigReport& report) {
+    std::string text;
+    for (const auto& [at, message] : report.warnings) {
+      text += place_in(report.sources, at) + ": " + message + "\n";
+    }
+    return text;
+  }
+
   static std::string distance(const PipelineConfig& config) {
     const host::ComponentSpec& nested = config.stages.at(0).component.nested.at(0).component;
     return nested.effective.find("params")->find("distance_m")->scalar;
@@ -38,7 +47,7 @@ TEST_F(FormerNames, AreWarnedOfAndReplaced) {
   const auto [config, report] =
       load(holder("{start: {use: solvers/test.scripted, params: {distance_m: 2}}}"));
   ASSERT_TRUE(report.ok()) << report.text();
-  EXPECT_THAT(report.warning_text(),
+  EXPECT_THAT(warnings_of(report),
               HasSubstr("pipeline.yaml:6:14: 'start' (parameter of solvers/test.holder) is "
                         "deprecated: use 'initial_guess'; to update the file: weft migrate "));
   EXPECT_EQ(config.doubts.size(), 1U);
@@ -56,7 +65,7 @@ TEST_F(FormerNames, OfParametersThatHaveNoOtherOneAreWarnedOfWithTheHelp) {
   ASSERT_EQ(config.doubts.size(), 1U);
   EXPECT_THAT(config.doubts[0], ::testing::EndsWith(expected));
   EXPECT_THAT(effective_yaml(config), HasSubstr("rounds: 3"));
-  EXPECT_THAT(load(holder("{initial_guess: {}}")).second.warning_text(), IsEmpty());
+  EXPECT_THAT(warnings_of(load(holder("{initial_guess: {}}")).second), IsEmpty());
 }
 
 TEST_F(FormerNames, CannotBeGivenBesideTheCurrentOne) {
@@ -70,10 +79,10 @@ TEST_F(FormerNames, MayStandInSettings) {
   const auto [config, report] = set("solvers.start.distance_m=2");
   ASSERT_TRUE(report.ok()) << report.text();
   EXPECT_EQ(distance(config), "2");
-  EXPECT_THAT(report.warning_text(),
+  EXPECT_THAT(warnings_of(report),
               HasSubstr("--set solvers.start.distance_m=2, column 9: 'start' (parameter of "
                         "solvers/test.holder) is deprecated: use 'initial_guess'\n"));
-  EXPECT_THAT(set("solvers.initial_guess.distance_m=2").second.warning_text(), IsEmpty());
+  EXPECT_THAT(warnings_of(set("solvers.initial_guess.distance_m=2").second), IsEmpty());
 }
 
 TEST_F(FormerNames, OverrideCurrentOnesOfAnExtendedFile) {
@@ -84,7 +93,7 @@ TEST_F(FormerNames, OverrideCurrentOnesOfAnExtendedFile) {
       "  - {as: solvers, params: {start: {params: {distance_m: 3}}}}\n");
   ASSERT_TRUE(report.ok()) << report.text();
   EXPECT_EQ(distance(config), "3");
-  EXPECT_THAT(report.warning_text(), HasSubstr("pipeline.yaml:4:28: 'start'"));
+  EXPECT_THAT(warnings_of(report), HasSubstr("pipeline.yaml:4:28: 'start'"));
 }
 
 TEST_F(FormerNames, OfComponentsLeadToTheCurrentOne) {

@@ -225,7 +225,7 @@ TEST(SettingsFile, LeavesNothingWhereThereIsNoRoomAndExplainsIt) {
   const fs::path folder = fs::path(::testing::TempDir()) / "weft_settings_without_room";
   fs::remove_all(folder);
   fs::create_directories(folder);
-  // A limit of this process in place of a full disk: the file begins, and cannot be completed.
+  // A limit of this process instead of a full disk: the file begins, and cannot be completed.
   const auto before = std::signal(SIGXFSZ, SIG_IGN);
   rlimit limit{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &limit), 0);
