@@ -6,12 +6,16 @@
 #include <weft/core/index.hpp>
 #include <weft/core/statistics.hpp>
 
+#include "lab/report/runs/run_data.hpp"
+
 namespace weft::cli {
 
 void RunStatistics::add(const FrameResult& frame) {
   ++frames_;
   ++states_[to_string(frame.state)];
-  if (frame.state == ShapeState::estimated || frame.state == ShapeState::weak) {
+  const bool is_measured = frame.state == ShapeState::estimated || frame.state == ShapeState::weak;
+  if (!is_measured) unmeasured_.push_back(frame.index);
+  if (is_measured) {
     if (const auto shape = host::view_as<Shape>(*frame.shape)) {
       confidences_.push_back(shape->confidence);
     }
@@ -65,6 +69,10 @@ void RunStatistics::print(std::FILE* to) const {
                percentile(confidences_, 0.0));
   }
   fmt::print(to, "\n");
+  if (!unmeasured_.empty()) {
+    fmt::print(to, "without a measured shape: frames {}; `weft report` has the reasons\n",
+               lab::first_frames(unmeasured_));
+  }
   for (const std::string& name : order_) {
     const std::string& error = stages_.at(name).first_error;
     if (!error.empty()) fmt::print(to, "first error of {}: {}\n", name, error);

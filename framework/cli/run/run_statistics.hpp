@@ -34,8 +34,9 @@ class RunStatistics {
   std::int64_t frames_ = 0;
   std::vector<std::string> order_;  ///< names of the stages in order of appearance
   std::map<std::string, Stage> stages_;
-  std::map<std::string, int> states_;  ///< [frames] by the name of their state
-  std::vector<double> confidences_;    ///< [0, 1] of the shapes that were measured
+  std::map<std::string, int> states_;      ///< [frames] by the name of their state
+  std::vector<double> confidences_;        ///< [0, 1] of the shapes that were measured
+  std::vector<std::uint64_t> unmeasured_;  ///< frames without such a shape
 };
 
 }  // namespace weft::cli

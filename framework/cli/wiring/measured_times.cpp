@@ -29,8 +29,9 @@ Result<TimesMs> read_times(const std::string& folder) {
     if (lines.eof()) break;  // the run was cut off in this line
     try {
       const nlohmann::json frame = nlohmann::json::parse(line);
-      for (const auto& [name, ms] : frame.at("ms").items()) {
-        times[name].push_back(ms.get<double>());
+      for (const nlohmann::json& stage : frame.at("stages")) {
+        if (stage.at("status") == "skipped") continue;
+        times[stage.at("stage")].push_back(stage.at("ms").get<double>());
       }
     } catch (const nlohmann::json::exception& mistake) {
       return Error{Errc::syntax, lab::reason_of(mistake), file + ":" + std::to_string(number)};

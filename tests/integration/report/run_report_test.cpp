@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
@@ -35,7 +36,7 @@ TEST(RunReport, SaysHowFarOffARunIsAndWhereAndWhy) {
   const RunData data = read(run);
   EXPECT_THAT(
       sentences_of(data),
-      ElementsAre("7 of 8 frames were reconstructed; 1 has no shape.",
+      ElementsAre("7 of 8 frames were reconstructed; 1 has no shape (7).",
                   "The mean 3D error is 3 mm over 7 frames with truth; the worst, frame 6, is "
                   "off by 6 mm. 1 of 8 frames with truth failed.",
                   "The stages of a frame take 6 ms (median), 5 of them solvers.",
@@ -44,7 +45,20 @@ TEST(RunReport, SaysHowFarOffARunIsAndWhereAndWhy) {
   ASSERT_EQ(reasons.rows.size(), 1U);
   EXPECT_EQ(reasons.rows[0].cells[1].shown, "had no result");
   EXPECT_EQ(reasons.rows[0].cells[2].shown, "3 matches <are> too few");
-  EXPECT_EQ(reasons.rows[0].cells[4].shown, "7");
+  EXPECT_EQ(reasons.rows[0].cells[4].shown, "1");  // frames without a measured shape
+  EXPECT_EQ(reasons.rows[0].cells[5].shown, "7");
+}
+
+TEST(RunReport, CountsNoTimeOfAStageThatWasSkipped) {
+  TestRun run;
+  write_eight_frames(run);
+  const TextTable stages = stages_sheet(read(run));
+  const auto solvers = std::find_if(stages.rows.begin(), stages.rows.end(), [](const TextRow& row) {
+    return row.cells[0].shown == "solvers";
+  });
+  ASSERT_NE(solvers, stages.rows.end());
+  EXPECT_EQ(solvers->cells[2].shown, "5.00");  // mean, ms
+  EXPECT_EQ(solvers->cells[4].shown, "7");     // of 8 frames
 }
 
 TEST(RunReport, ShowsTheWorstFramesWithTheirPicturesAndShapes) {

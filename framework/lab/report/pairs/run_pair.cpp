@@ -122,7 +122,7 @@ TextTable stage_times_sheet(const RunData& a, const RunData& b) {
     std::map<std::string, std::vector<double>> times;
     for (const RunFrame& frame : run.frames) {
       for (const StageOutcome& stage : frame.stages) {
-        if (!std::isfinite(stage.ms)) continue;
+        if (!stage.has_run()) continue;
         if (std::count(order.begin(), order.end(), stage.stage) == 0) order.push_back(stage.stage);
         times[stage.stage].push_back(stage.ms);
       }

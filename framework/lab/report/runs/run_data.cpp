@@ -147,6 +147,15 @@ void add_provenance(RunData& data) {
 
 }  // namespace
 
+std::string first_frames(const std::vector<std::uint64_t>& frames) {
+  constexpr std::size_t kMost = 6;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kMost, frames.size()); ++i) {
+    text += (i > 0 ? ", " : "") + std::to_string(frames[i]);
+  }
+  return frames.size() > kMost ? text + ", ..." : text;
+}
+
 Result<RunData> read_run_data(const std::string& folder, const std::string& unwarping_sink) {
   auto metrics = evaluate_run(folder);
   if (!metrics) return metrics.error();

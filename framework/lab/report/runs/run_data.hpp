@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -20,6 +21,9 @@ struct StageOutcome {
   std::string status;    ///< ok, degenerate, no_result, error or skipped
   std::string reason;    ///< empty for ok
   double ms = kUnknown;  ///< [] ms, wall-clock time
+
+  /// A skipped stage takes no time.
+  bool has_run() const { return status != "skipped" && std::isfinite(ms); }
 };
 
 /// A line of frames.jsonl, as far as the page shows it.
@@ -32,6 +36,9 @@ struct RunFrame {
   double within_1mm_percent = kUnknown, displaced_mm = kUnknown;  ///< against a flat reference
   std::vector<StageOutcome> stages;                               ///< in their order, sinks last
   std::vector<std::string> warnings;                              ///< [.] texts
+
+  /// False where the shape is predicted, an old one, or none.
+  bool is_measured() const { return state == "estimated" || state == "weak"; }
 };
 
 /// A worst frame with its image, if the run has a video of all its frames.
@@ -51,6 +58,9 @@ struct RunData {
   std::vector<WorstFrame> worst;  ///< the worst first; without truth the least sure ones
   FlatPrint print;                ///< comparison with the flat texture; for some runs
 };
+
+/// The first of these frames: "22, 23, 31, ...".
+std::string first_frames(const std::vector<std::uint64_t>& frames);
 
 /// Reads and evaluates a run folder; fails as evaluate_run does. `unwarping_sink` as in
 /// ReportOptions.

@@ -17,14 +17,22 @@ std::string shapes_text(const RunData& run) {
       fmt::format("{} of {} frames were reconstructed", counts.solved(), counts.frames);
   if (counts.weak > 0) text += fmt::format(", {} of them weak", counts.weak);
   std::string others;
-  for (const auto& [count, what] :
-       {std::pair{counts.predicted, "a predicted shape"},
-        std::pair{counts.lost, "an old shape (lost)"}, std::pair{counts.none, "no shape"},
-        std::pair{counts.invalid, "a shape that is not finite"}}) {
-    if (count == 0) continue;
-    others += fmt::format("{}{} {} {}", others.empty() ? "" : ", ", count,
-                          count == 1 ? "has" : "have", what);
-  }
+  const auto add = [&](std::int64_t count, const char* what, const std::string& which) {
+    if (count == 0) return;
+    others += fmt::format("{}{} {} {}{}", others.empty() ? "" : ", ", count,
+                          count == 1 ? "has" : "have", what, which);
+  };
+  const auto in_state = [&](const char* state) {
+    std::vector<std::uint64_t> frames;
+    for (const RunFrame& frame : run.frames) {
+      if (frame.state == state) frames.push_back(frame.frame);
+    }
+    return " (" + first_frames(frames) + ")";
+  };
+  add(counts.predicted, "a predicted shape", in_state("predicted"));
+  add(counts.lost, "an old shape, as the object is lost", in_state("lost"));
+  add(counts.none, "no shape", in_state("none"));
+  add(counts.invalid, "a shape that is not finite", "");
   if (!others.empty()) text += "; " + others;
   return text + "." + (run.metrics.interrupted ? " The run did not come to its end." : "");
 }

@@ -26,16 +26,8 @@ std::string without_numbers(const std::string& reason) {
 struct Cause {
   std::string stage, status, reason;
   std::vector<std::uint64_t> frames;
+  std::int64_t without_shape = 0;  ///< [] of these frames, those that measured no shape
 };
-
-std::string first_frames(const std::vector<std::uint64_t>& frames) {
-  constexpr std::size_t kMost = 6;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(kMost, frames.size()); ++i) {
-    text += (i > 0 ? ", " : "") + std::to_string(frames[i]);
-  }
-  return frames.size() > kMost ? text + ", ..." : text;
-}
 
 /// The meaning of a status, in words.
 std::string status_text(const std::string& status) {
@@ -58,7 +50,7 @@ std::vector<StageTimes> stage_times(const RunData& run) {
       auto at = std::find_if(stages.begin(), stages.end(),
                              [&](const StageTimes& each) { return each.stage == outcome.stage; });
       if (at == stages.end()) at = stages.insert(at, {outcome.stage, {}});
-      if (std::isfinite(outcome.ms)) at->ms.push_back(outcome.ms);
+      if (outcome.has_run()) at->ms.push_back(outcome.ms);
     }
   }
   return stages;
@@ -69,22 +61,24 @@ std::vector<StageTimes> stage_times(const RunData& run) {
 TextTable reasons_sheet(const RunData& run) {
   std::map<std::string, Cause> causes;
   const auto count = [&](const std::string& stage, const std::string& status,
-                         const std::string& reason, std::uint64_t frame) {
+                         const std::string& reason, const RunFrame& frame) {
     Cause& cause = causes[stage + "\n" + status + "\n" + without_numbers(reason)];
     if (cause.frames.empty()) cause = {stage, status, reason, {}};
-    cause.frames.push_back(frame);
+    cause.frames.push_back(frame.frame);
+    cause.without_shape += frame.is_measured() ? 0 : 1;
   };
   for (const RunFrame& frame : run.frames) {
     for (const StageOutcome& stage : frame.stages) {
       if (stage.status == "ok" || stage.status == "skipped") continue;
-      count(stage.stage, stage.status, stage.reason, frame.frame);
+      count(stage.stage, stage.status, stage.reason, frame);
     }
-    if (!frame.reason.empty()) count("shape", frame.state, frame.reason, frame.frame);
+    if (!frame.reason.empty()) count("shape", frame.state, frame.reason, frame);
   }
   std::vector<Cause> ranked;
   for (auto& [name, cause] : causes) ranked.push_back(std::move(cause));
   std::stable_sort(ranked.begin(), ranked.end(), [](const Cause& a, const Cause& b) {
-    return a.frames.size() > b.frames.size();
+    return std::pair(a.without_shape, a.frames.size()) >
+           std::pair(b.without_shape, b.frames.size());
   });
   TextTable table{"reasons",
                   "Why",
@@ -93,13 +87,14 @@ TextTable reasons_sheet(const RunData& run) {
                    {"what", "status"},
                    {"reason", "reason"},
                    {"frames", "frames", true},
+                   {"without a measured shape", "frames_without_shape", true},
                    {"which", "first_frames"}},
                   {}};
   for (const Cause& cause : ranked) {
     table.rows.push_back(
         {{text_cell(cause.stage), text_cell(status_text(cause.status)), text_cell(cause.reason),
           count_cell(static_cast<std::int64_t>(cause.frames.size())),
-          text_cell(first_frames(cause.frames))}});
+          count_cell(cause.without_shape), text_cell(first_frames(cause.frames))}});
   }
   return table;
 }
@@ -143,9 +138,11 @@ TextTable frames_sheet(const RunData& run) {
     std::string reason;
     for (const StageOutcome& stage : frame.stages) {
       if (std::isfinite(stage.ms)) total_ms += stage.ms;
-      if (!reason.empty() || stage.status == "ok" || stage.status == "skipped") continue;
-      reason = stage.stage + " " + status_text(stage.status) +
-               (stage.reason.empty() ? "" : ": " + stage.reason);
+      // A frame with a shape has one in spite of such a stage, as where SIFT replaces tracking.
+      if (frame.is_measured() || stage.status == "ok" || stage.status == "skipped") continue;
+      if (!reason.empty()) reason += "; ";
+      reason += stage.stage + " " + status_text(stage.status) +
+                (stage.reason.empty() ? "" : ": " + stage.reason);
     }
     if (reason.empty()) reason = frame.reason;
     table.rows.push_back(
