@@ -225,6 +225,8 @@ class Loader {
       config_.unclear_names = true;
       return problem(as->at, "'as' must be a name of a-z, 0-9 and _");
     }
+    // Without its base, whose error is reported, an item may be a change of one of its stages.
+    if (paths_.unclear && item.find("use") == nullptr) return;
     if (contains(reserved_names(), name)) {
       config_.unclear_names = true;
       problem(as->at, "'as' must not be '" + name + "', which is a reserved name");

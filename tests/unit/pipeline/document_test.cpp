@@ -184,6 +184,11 @@ TEST_F(Documents, ResolvesPathsAgainstTheFileThatContainsThem) {
 TEST_F(Documents, RefusesAChainThatCannotBeFollowed) {
   EXPECT_THAT(testing::lines(load("weft: 1\nextends: none.yaml\n").second),
               ElementsAre("2:10: 'extends': there is no file " + path("none.yaml")));
+  // An item without `use` may change a stage of the base, whose name may be that of a role.
+  const std::string changed =
+      "weft: 1\nextends: none.yaml\nstages: [{as: filters, params: {a: 1}}]\n";
+  EXPECT_THAT(testing::lines(load(changed).second),
+              ElementsAre("2:10: 'extends': there is no file " + path("none.yaml")));
   EXPECT_THAT(testing::lines(load("weft: 1\nextends: .\n").second),
               ElementsAre(::testing::EndsWith(": it is a folder")));
   EXPECT_THAT(testing::lines(load("weft: 1\nextends: [a]\n").second),
