@@ -113,6 +113,10 @@ class Aem final : public weft::Filter {
       keep.push_back(score.back() >= min_probability_ ? 1 : 0);
       kept += keep.back();
     }
+    if (kept == 0.0) {
+      return weft::no_result("none of " + std::to_string(candidates.count()) +
+                             " matches has the probability min_probability");
+    }
     InlierMask mask = weft::filters::mask_of(in.correspondences, candidates, keep, score);
     mask.confidence = weft::make_scalar(found.confidence);
     mask.diag.set("kept_matches", kept);

@@ -90,7 +90,7 @@ TEST(Aem, IsNotSureWhereNothingIsCorrect) {
 TEST(Aem, ScoresAreProbabilitiesThatTheThresholdCuts) {
   const LabelledMatches drawn = draw_scene({Kind::paper, 200, 0.5, 0.5}, 8);
   Rates before{0.0, 0.0};
-  for (const double threshold : {0.0, 0.1, 0.9, 1.0}) {
+  for (const double threshold : {0.0, 0.1, 0.9}) {
     FilterBench bench("filters/aem", "{min_probability: " + std::to_string(threshold) + "}");
     const InlierMask mask = bench.mask(drawn.matches);
     for (std::int64_t i = 0; i < 200; ++i) {
@@ -102,6 +102,14 @@ TEST(Aem, ScoresAreProbabilitiesThatTheThresholdCuts) {
     before = rates;
   }
   EXPECT_EQ(before.tpr_percent, 100.0);
+}
+
+TEST(Aem, HasNoResultWhereTheThresholdKeepsNothing) {
+  const LabelledMatches drawn = draw_scene({Kind::paper, 200, 0.5, 0.5}, 8);
+  const PluginAnswer outcome =
+      FilterBench("filters/aem", "{min_probability: 1.0}").run(drawn.matches);
+  EXPECT_EQ(outcome.status, WEFT_NO_RESULT);
+  EXPECT_EQ(outcome.message, "none of 200 matches has the probability min_probability");
 }
 
 TEST(Aem, OwesWhatEveryFilterOwes) {
