@@ -189,8 +189,10 @@ void add_compare_command(CLI::App& app, Context& context) {
           ->option_text("PATH")
           ->allow_extra_args(false);
   command
-      ->add_option("--seeds", options->seeds,
-                   "A sequence for each of these seeds of the pipelines' source: 101-110")
+      ->add_option(
+          "--seeds", options->seeds,
+          "A sequence for each of these seeds of the pipelines' source, which must have the "
+          "parameter seed, as sources/frex has: 101-110")
       ->option_text("SEEDS")
       ->excludes(data);
   command->add_option("--metric", options->metric, "What is compared; `weft metrics` lists them")

@@ -17,6 +17,7 @@
 #include "cli/output/outcome.hpp"
 #include "cli/standard_components.hpp"
 #include "lab/ablation/plan/grid.hpp"
+#include "lab/metrics/forms/metric_path.hpp"
 
 namespace weft::cli {
 namespace {
@@ -141,12 +142,19 @@ Result<GeneratedText> plan_text(const VariedPipeline& given) {
   for (const Varied& each : run_seeds) {
     plan.add(entry_text("seeds", list_of(each.values), 0), each.argument);
   }
-  plan.add("show: [all.error_solved.mean_mm, counts.solved_percent]\n");
+  plan.add(fmt::format("show: [{}, counts.solved_percent]\n", lab::kErrorMetric));
   if (!axes.empty()) plan.add("axes:\n");
   for (const Varied& each : axes) {
     const yaml::Node axis =
         map_of({{"set", {}, yaml::plain_node(each.path)}, {"values", {}, list_of(each.values)}});
     plan.add(entry_text(name_part(each.path), axis, 2), each.argument);
+  }
+  const auto is_compared = [](const Varied& each) { return each.values.size() > 1; };
+  if (std::any_of(axes.begin(), axes.end(), is_compared)) plan.add("comparisons:\n");
+  for (const Varied& each : axes) {
+    if (!is_compared(each)) continue;
+    plan.add(fmt::format("  - {{axis: {}, metric: {}}}\n", name_part(each.path), lab::kErrorMetric),
+             each.argument);
   }
   return plan;
 }
