@@ -58,7 +58,7 @@ TEST(RunReport, CountsNoTimeOfAStageThatWasSkipped) {
   });
   ASSERT_NE(solvers, stages.rows.end());
   EXPECT_EQ(solvers->cells[2].shown, "5.00");  // mean, ms
-  EXPECT_EQ(solvers->cells[4].shown, "7");     // of 8 frames
+  EXPECT_EQ(solvers->cells[4].shown, "7");     // frames, of 8
 }
 
 TEST(RunReport, ShowsTheWorstFramesWithTheirPicturesAndShapes) {
