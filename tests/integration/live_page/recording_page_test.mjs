@@ -5,6 +5,35 @@ import { use_live_page } from "./live_page.mjs";
 import { bent, kVertices, report_of } from "./scene.mjs";
 import { numpy_array, unzipped } from "./unzipped.mjs";
 
+/** The glTF is valid, and has the shapes of these frames, each from its time on. */
+async function check_animation(bytes, frames) {
+  const { default: validator } = await import(`${process.argv[2]}/node_modules/gltf-validator/index.js`);
+  const { issues } = await validator.validateBytes(new Uint8Array(bytes));
+  assert.equal(issues.numErrors + issues.numWarnings, 0, JSON.stringify(issues.messages));
+  const json = JSON.parse(String(bytes.subarray(20, 20 + bytes.readUInt32LE(12))));
+  const binary = bytes.subarray(28 + bytes.readUInt32LE(12));
+  const numbers_of = (index) => {
+    const { bufferView, byteOffset = 0, count, type } = json.accessors[index];
+    const begin = json.bufferViews[bufferView].byteOffset + byteOffset;
+    const length = count * { SCALAR: 1, VEC3: 3 }[type];
+    return Array.from({ length }, (_, i) => binary.readFloatLE(begin + 4 * i));
+  };
+  const [{ primitives, extras }] = json.meshes;
+  assert.deepEqual(extras.targetNames, frames.slice(1).map(String));
+  assert.equal(json.images.length, 1); // the texture
+  const first = numbers_of(primitives[0].attributes.POSITION);
+  primitives[0].targets.forEach(({ POSITION }, target) => {
+    const moved = numbers_of(POSITION);
+    const expected = Float32Array.from(bent(frames[target + 1]));
+    expected.forEach((x, i) => assert.ok(Math.abs(first[i] + moved[i] - x) < 1e-6));
+  });
+  const [{ samplers }] = json.animations;
+  const times_s = numbers_of(samplers[0].input);
+  times_s.forEach((t, i) => assert.ok(Math.abs(t - (frames[i] - frames[0]) / 30) < 1e-6));
+  assert.equal(samplers[0].interpolation, "STEP");
+  assert.deepEqual(numbers_of(samplers[0].output), [0, 0, 1, 0, 0, 1]);
+}
+
 await use_live_page(async (live) => {
   const { page } = live;
   const is_disabled = () => page.$eval("#record", (button) => button.disabled);
@@ -39,6 +68,7 @@ await use_live_page(async (live) => {
   assert.ok(Number.isNaN(numbers.at(-1)));
   assert.equal(JSON.parse(files["camera.json"]).width, 640);
   assert.equal(JSON.parse(files["settings.json"]).pipeline, "pipelines/live.yaml");
+  await check_animation(files["animation.glb"], [1, 2, 4]);
 
   // Two clicks without a frame between them save nothing.
   downloads = await live.downloads();

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The button that records what this page is shown, and saves it as a file.
+import { animation_of } from "./animation.js";
 import { Recording } from "./recording.js";
 import { save_file } from "./save.js";
+import { StoredFile } from "./zip.js";
 import { recorded_words, size_words } from "../words.js";
 
 export class Recorder {
@@ -51,12 +53,22 @@ export class Recorder {
     this.#show("End recording", "0 frames", "Recording what this page shows");
   }
 
-  #end(why = "") {
+  async #end(why = "") {
     const recording = this.#recording;
     this.#recording = null;
     const { summary } = recording;
-    if (summary.frames > 0) save_file(recording.zip(), recording.file_name);
-    this.#show("Record", "", [recorded_words(summary), why].filter(Boolean).join(" "));
+    this.#show("Record", "", summary.frames > 0 ? "Saving ..." : "");
+    const files = [];
+    const words = [recorded_words(summary), why];
+    try {
+      const { shapes, template } = recording.surface;
+      const bytes = await animation_of(shapes, template);
+      if (bytes) files.push(new StoredFile("animation.glb").add(bytes));
+    } catch (error) {
+      words.push(`It has no animation: ${error.message ?? "the texture cannot be read"}.`);
+    }
+    if (summary.frames > 0) save_file(recording.zip(files), recording.file_name);
+    if (this.#recording === null) this.#show("Record", "", words.filter(Boolean).join(" "));
   }
 
   #show(label, count, outcome) {

@@ -35,7 +35,7 @@ export function camera_of_picture({ fx, fy, cx, cy, width_px, height_px }, pictu
 
 export class Recording {
   #scene;
-  #frames = []; // {frame, line, vertices_m, visible}
+  #frames = []; // {frame, time_s, line, vertices_m, visible}
   #images = [];
   #picture = null; // {width, height} of the images
   #bytes = 0;
@@ -66,7 +66,7 @@ export class Recording {
     const line = `${JSON.stringify({ ...report, frame, time_s })}\n`;
     // Copies, since the arrays are views of whole messages.
     const copies = { vertices_m: vertices_m?.slice(), visible: visible?.slice() };
-    this.#frames.push({ frame, line, ...copies });
+    this.#frames.push({ frame, time_s, line, ...copies });
     if (image) {
       const file = new StoredFile(`frames/${numbered(frame)}.jpg`).add(image, new Blob([image]));
       this.#images.push(file);
@@ -76,8 +76,18 @@ export class Recording {
     for (const part of [image, vertices_m, visible]) this.#bytes += part?.byteLength ?? 0;
   }
 
-  /** All of it as one Blob. */
-  zip() {
+  /** {template, shapes}: the frames with a shape, with a time each: 1/30 s apart if none is known. */
+  get surface() {
+    const { template } = this.#scene;
+    const values = template?.vertices_m.length;
+    const shapes = this.#frames
+      .filter(({ vertices_m }) => vertices_m?.length === values && vertices_m.every(Number.isFinite))
+      .map(({ frame, time_s, vertices_m }, i) => ({ frame, time_s: time_s ?? i / 30, vertices_m }));
+    return { template, shapes };
+  }
+
+  /** All of it as one Blob, with these files beside it. */
+  zip(others = []) {
     const { camera, settings } = this.#scene;
     const lines = this.#frames.map(({ line }) => line).join("");
     const files = [text_file("frames.jsonl", lines)];
@@ -86,7 +96,7 @@ export class Recording {
       const pinhole = camera_of_picture(camera, this.#picture);
       files.push(text_file("camera.json", `${JSON.stringify(pinhole, null, 2)}\n`));
     }
-    return zip([...files, ...this.#mesh_files(), ...this.#images]);
+    return zip([...files, ...this.#mesh_files(), ...others, ...this.#images]);
   }
 
   #mesh_files() {
