@@ -4,6 +4,7 @@
 import { View, parse, Warn } from "vega";
 import { compile } from "vega-lite";
 import { element } from "./data.js";
+import { save_file } from "./files.js";
 import { pgf_of } from "./pgf.js";
 
 // A family by name, so that Vega can measure its texts.
@@ -48,9 +49,7 @@ function save_button(figure, ending, type, text) {
     title: `Save as ${figure.id}.${ending}`,
   });
   button.addEventListener("click", async () => {
-    const address = URL.createObjectURL(new Blob([await text()], { type }));
-    element("a", { href: address, download: `${figure.id}.${ending}` }).click();
-    URL.revokeObjectURL(address);
+    save_file(new Blob([await text()], { type }), `${figure.id}.${ending}`);
   });
   return button;
 }

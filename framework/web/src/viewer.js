@@ -16,8 +16,10 @@ import {
   Vector3,
   WireframeGeometry,
 } from "three";
+import { animation_of } from "./animation.js";
 import { floats, indices, shown } from "./data.js";
 import { colours_of, kRampStyle, scale_of, vertex_errors } from "./errors.js";
+import { save_file } from "./files.js";
 import { View3d, colour_of } from "./view3d.js";
 
 const kPlayMs = 100;
@@ -207,6 +209,17 @@ class Viewer {
     this.root.querySelector(".play").textContent = this.#timer ? "Pause" : "Play";
   }
 
+  /** The frames of the page that have a shape, at the pace at which they are played here. */
+  async save_animation() {
+    const shapes = this.#cell.frames
+      .filter(({ vertices }) => vertices.length > 0)
+      .map(({ frame, vertices }, i) => ({ frame, time_s: (i * kPlayMs) / 1000, vertices_m: vertices }));
+    const bytes = await animation_of(shapes, this.#cell);
+    const readout = this.root.querySelector(".readout");
+    if (bytes) save_file(new Blob([bytes], { type: "model/gltf-binary" }), "shapes.glb");
+    else readout.textContent = "An animation needs two frames with a shape.";
+  }
+
   #listen() {
     this.slider = this.root.querySelector("input[type=range]");
     this.slider.addEventListener("input", () => this.show(Number(this.slider.value)));
@@ -219,6 +232,7 @@ class Viewer {
     });
     this.root.querySelector(".play").addEventListener("click", () => this.toggle_play());
     this.root.querySelector(".reset").addEventListener("click", () => this.look_from_camera());
+    this.root.querySelector(".save-gltf").addEventListener("click", () => this.save_animation());
     this.root.querySelector(".axes").addEventListener("change", ({ target }) => {
       this.view.show_axes(target.checked);
     });

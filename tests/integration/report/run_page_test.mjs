@@ -36,6 +36,19 @@ await use_page(async (page) => {
   await points[5].click();
   const readout = await page.$eval("#viewer .readout", (one) => one.textContent);
   assert.match(readout, /^frame 5 · estimated · mean error 5\.00 mm$/);
+  // The seven frames with a shape as glTF: the first at rest, the others as morph targets.
+  const names = await page.evaluate(async () => {
+    let saved = null;
+    URL.createObjectURL = (blob) => ((saved = blob), "#");
+    document.querySelector("#viewer .save-gltf").click();
+    while (saved === null) await new Promise((done) => setTimeout(done, 20));
+    const bytes = await saved.arrayBuffer();
+    const length = new DataView(bytes).getUint32(12, true);
+    const { meshes } = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 20, length)));
+    return meshes[0].extras.targetNames;
+  });
+  assert.deepEqual(names, ["1", "2", "3", "4", "5", "6"]);
+
   const scale = await page.$eval("#viewer .error-scale", (one) => one.textContent);
   assert.equal(scale, "010 mm and more");
   await shot(page, "light", true);

@@ -120,7 +120,9 @@ std::string viewer_html(const std::string& about, bool has_truth) {
          "<option value=\"1\">1×</option><option value=\"10\">10×</option>"
          "<option value=\"50\">50×</option></select></label></span>\n"
          "<label><input type=\"checkbox\" class=\"axes\" value=\"\" checked> axes</label>\n"
-         "<button type=\"button\" class=\"plain reset\">Reset the view</button></div>\n"
+         "<button type=\"button\" class=\"plain reset\">Reset the view</button>\n"
+         "<button type=\"button\" class=\"plain save-gltf\" title=\"Save these frames as glTF, "
+         "for Blender\">Save as glTF</button></div>\n"
          "<div class=\"error-scale\" hidden><span>0</span><span class=\"ramp\"></span><span "
          "class=\"high\"></span></div>\n"
          "<p class=\"small\">Again: <code class=\"command\"></code></p></div>\n";

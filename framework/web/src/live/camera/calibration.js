@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Calibration from the page: the run searches its frames for a printed board; here one sees what it
 // found, and where views are missing.
-import { save_file } from "../saving/save.js";
+import { save_file } from "../../files.js";
 import { outcome_words } from "../words.js";
 import { calibrated_settings, calibration_words, raw_settings } from "./source.js";
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The button that records what this page is shown, and saves it as a file.
-import { animation_of } from "./animation.js";
+import { animation_of } from "../../animation.js";
+import { save_file } from "../../files.js";
 import { Recording } from "./recording.js";
-import { save_file } from "./save.js";
 import { StoredFile } from "./zip.js";
 import { recorded_words, size_words } from "../words.js";
 

@@ -1,17 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files that the browser saves.
+// The picture of the page that the browser saves.
 import { element } from "../../data.js";
+import { save_file } from "../../files.js";
 
 const kCaptionHeight = 40;
-const kKept_ms = 60000; // until the browser has surely begun to save
-
-/** Saves a Blob as a file of that name, where the browser keeps such. */
-export function save_file(content, name) {
-  const address = URL.createObjectURL(content);
-  element("a", { href: address, download: name }).click();
-  setTimeout(() => URL.revokeObjectURL(address), kKept_ms);
-}
-
 /** Saves both canvases side by side, with the words below them, as PNG. */
 export async function save_picture(image, mesh, words, name) {
   const height = Math.max(image.height, mesh.height);

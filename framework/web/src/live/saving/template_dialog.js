@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The dialog that makes a template: the frame with a ring at each corner of the object.
 import { fault_of, first_corners, kNames, make_ring, to_share, within } from "../../corners.js";
-import { save_file } from "./save.js";
+import { save_file } from "../../files.js";
 import { template_zip } from "./template.js";
 
 export class TemplateDialog {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Undo and redo, the difference to the file, presets, and saving as a pipeline file.
 import { element } from "../../data.js";
+import { save_file } from "../../files.js";
 import { recall, remember } from "../layout/memory.js";
-import { save_file } from "../saving/save.js";
 import { saved_words } from "../words.js";
 import { difference_of, pipeline_of, values_of } from "./difference.js";
 import { same_value, shown_value } from "./parameters.js";
