@@ -39,6 +39,7 @@ class Page {
   #other = { place: null, vertices_m: null }; // that was read last
   #other_stage = null; // the stage of `other_m`, where the run names it
   #strips_at_s = 0;
+  #strips_timer = null; // until they are drawn with what came since
 
   constructor() {
     this.notices = new Notices(by_id("notices"));
@@ -195,10 +196,14 @@ class Page {
       // The moment may have left the history.
       if (this.playback.sample.frame !== this.#frame?.frame) this.#move();
     }
-    if (now_s() - this.#strips_at_s >= kStrips_ms / 1000) this.#draw_time();
+    const wait_ms = kStrips_ms - 1000 * (now_s() - this.#strips_at_s);
+    if (wait_ms <= 0) this.#draw_time();
+    else this.#strips_timer ??= setTimeout(() => this.#draw_time(), wait_ms);
   }
 
   #draw_time() {
+    clearTimeout(this.#strips_timer);
+    this.#strips_timer = null;
     this.#strips_at_s = now_s();
     this.strips.draw();
     this.transport.draw();
