@@ -2,7 +2,9 @@
 #include "kit/conformance/check_in_child.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <stdexcept>
 #include <weft/testing/role_contract.hpp>
@@ -22,8 +24,10 @@ constexpr int kWhole = 86;          ///< exit code of a process that came to the
 int remarks_to = -1;
 
 /// A component that writes what it must only read gets a remark; the signal's effect does not
-/// change.
+/// change. If several threads fault, the first one writes its remark and ends the process.
 void on_fault(int signal, siginfo_t* info, void* /*context*/) {
+  static std::atomic_flag has_faulted;
+  while (has_faulted.test_and_set()) pause();
   const testing::SpoiltInput spoilt = testing::spoilt_input_at(info->si_addr);
   if (spoilt.input != nullptr) {
     remark_on_end("it ");
