@@ -249,6 +249,8 @@ test("changed settings are a pipeline that extends that of the run", () => {
     '  - {as: "filters#2", params: {name: "say \\"b\\": #c"}}',
     "",
   ]);
+  const absolute = pipeline_of({ pipeline: "/a/b.yaml", stages }, []).split("\n").slice(0, 3);
+  assert.deepEqual(absolute, ["# Settings of the live view.", "weft: 1", 'extends: "/a/b.yaml"']);
   assert.deepEqual(difference_of(stages, stages), []);
 });
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // A template made of the frame that is shown: its image, the corners of the object in it, and a
 // pipeline with that template. templates/photo rectifies the image.
+import { base_of } from "./base.js";
 import { camera_of_picture, text_file } from "./recording.js";
 import { StoredFile, zip } from "./zip.js";
 
 /** The pipeline file that extends that of the run by the template. */
 export function template_pipeline(pipeline, corners, width_mm) {
-  const is_absolute = pipeline.startsWith("/");
-  const base = is_absolute ? pipeline : pipeline.split("/").at(-1);
-  const where = is_absolute ? "" : ` Unpack these files in the folder of ${base}.`;
+  const { base, folder } = base_of(pipeline);
+  const where = folder ? ` Unpack these files in ${folder}.` : "";
   const numbers = corners.flat().map((px) => Number(px.toFixed(1)));
   return (
     `# A template of the live view.${where}\nweft: 1\nextends: ${JSON.stringify(base)}\n` +

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The settings that differ from those with which the run began, and a pipeline file of them.
+import { base_of } from "../saving/base.js";
 import { same_value } from "./parameters.js";
 
 /** Of the stages of `run_settings` each changed parameter: {stage, parameter, before}; `started` are
@@ -53,12 +54,12 @@ export function pipeline_of({ pipeline, stages }, changes) {
     });
     node[names.at(-1)] = parameter.value;
   }
-  const file = pipeline.split("/").at(-1);
+  const { base, folder } = base_of(pipeline);
   const entries = [...by_stage].map(
     ([stage, params]) => `  - {as: ${quoted(stage)}, params: ${flow(params)}}\n`,
   );
   return (
-    `# Settings of the live view. Keep this file in the folder of ${file}.\n` +
-    `weft: 1\nextends: ${quoted(file)}\n${entries.length ? "stages:\n" : ""}${entries.join("")}`
+    `# Settings of the live view.${folder ? ` Keep this file in ${folder}.` : ""}\n` +
+    `weft: 1\nextends: ${quoted(base)}\n${entries.length ? "stages:\n" : ""}${entries.join("")}`
   );
 }
