@@ -246,7 +246,7 @@ await use_live_page(async (live) => {
   await press("Escape");
 
   // The layout: the bar between the views, drawers, one view alone, the theme, the list of keys.
-  const width = () => page.$eval("#image", (one) => one.clientWidth);
+  const width = () => page.$eval("#image", (one) => one.parentElement.clientWidth); // of the pane
   const half = await width();
   await reach("#split");
   await press("ArrowRight", "ArrowRight");
